@@ -32,6 +32,9 @@ SKY = "gensky 9 21 12 -a 40 -o 74 -m 75 +s"
 VIEW = "-vtv -vp 3 4.5 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 60 -vv 40"
 BOUNCES = 4
 
+# Target of adaptive sampling, of all pixels
+TARGET = 0.03
+
 # Around the window [m]
 RIM = 0.15
 
@@ -76,7 +79,8 @@ def contenders(place: Room, bsdf: Path, resolution: int) -> list[Contender]:
     def ours(samples: int, smooth: bool = False):
         name = f"{samples} paths a pixel" + (", denoised" if smooth else "")
         return Contender(
-            name, lambda run: render(scene, view, resolution, samples, run, smooth)
+            name,
+            lambda run: render(scene, view, resolution, run, smooth, samples=samples),
         )
 
     def theirs(name: str, options: str):
@@ -101,8 +105,12 @@ def contenders(place: Room, bsdf: Path, resolution: int) -> list[Contender]:
         theirs("rpict -aa 0 -ad 64", EXACT.format(64)),
         theirs("rpict -aa 0 -ad 256", EXACT.format(256)),
         theirs("rpict -aa .1 -ad 2048", BETWEEN),
-        ours(16),
         ours(64),
+        ours(256),
+        Contender(
+            f"adaptive, error of {TARGET:.0%}",
+            lambda run: render(scene, view, resolution, run, relative_error=TARGET),
+        ),
         ours(16, smooth=True),
         ours(64, smooth=True),
     ]
@@ -112,16 +120,15 @@ def render(
     scene: cl.Scene,
     view: cl.View,
     resolution: int,
-    samples: int,
     seed: int,
     smooth: bool = False,
+    **effort: float,
 ) -> np.ndarray:
     """Return the luminance of our picture, denoised if need be."""
     columns, rows = view.size_for(resolution)
     made = cl.render(
-        scene, view, columns=columns, rows=rows, samples=samples, bounces=BOUNCES,
-        seed=seed,
-    )  # fmt: skip
+        scene, view, columns=columns, rows=rows, bounces=BOUNCES, seed=seed, **effort
+    )
     picture = cl.denoise(made.picture) if smooth else made.picture
     return picture.luminance().astype(float)
 
@@ -141,7 +148,7 @@ def main() -> None:
     parser.add_argument("--bsdf", type=Path, help="BSDF file of the window")
     parser.add_argument("--resolution", type=int, default=800)
     parser.add_argument("--runs", type=int, default=1)
-    parser.add_argument("--reference", type=int, default=512, help="paths a pixel")
+    parser.add_argument("--reference", type=int, default=1024, help="paths a pixel")
     parser.add_argument("--write", type=Path, help="Markdown file to write")
     options = parser.parse_args()
     place = room(workplace())
@@ -151,9 +158,9 @@ def main() -> None:
     found = contenders(place, bsdf, options.resolution)
     scene, view = cl.read_rad(*scene_files(place, bsdf)), cl.parse_view(VIEW)
     # The first call of a process compiles kernels
-    render(scene, view, 64, 8, 0)
+    render(scene, view, 64, 0, samples=8)
     halves = [
-        render(scene, view, options.resolution, options.reference // 2, seed)
+        render(scene, view, options.resolution, seed, samples=options.reference // 2)
         for seed in (98765, 43210)
     ]
     window = shows_window(place, options.resolution)

@@ -54,6 +54,22 @@ class _Step:
         depth = self.length(high - low)
         return self.add("IFCEXTRUDEDAREASOLID", profile, axes, up, depth)
 
+    def faces(self, x: float, y: float, z: float, reversed_: Sequence[int]) -> str:
+        """Floor, ceiling and walls of a box as faces, some of them reversed."""
+        low, high = ([(0, 0, h), (x, 0, h), (x, y, h), (0, y, h)] for h in (0, z))
+        rings = [low[::-1], high]
+        for k in range(4):
+            n = (k + 1) % 4
+            rings.append([low[k], low[n], high[n], high[k]])
+        made = []
+        for number, ring in enumerate(rings):
+            ends = ring[::-1] if number in reversed_ else ring
+            loop = self.add("IFCPOLYLOOP", _list(self.point(*end) for end in ends))
+            bound = self.add("IFCFACEOUTERBOUND", loop, ".T.")
+            made.append(self.add("IFCFACE", _list([bound])))
+        whole = self.add("IFCCONNECTEDFACESET", _list(made))
+        return self.add("IFCFACEBASEDSURFACEMODEL", _list([whole]))
+
     def box(self, low: Sequence[float], high: Sequence[float]) -> str:
         (x, y, z), (u, v, w) = low, high
         return self.prism([(x, y), (u, y), (u, v), (x, v)], z, w)
@@ -71,12 +87,14 @@ def ifc_room(
     shift: float = 0.0,
     numbers: dict[str, float] | None = None,
     extra: Sequence[str] = (),
+    space_faces: Sequence[int] | None = None,
 ) -> str:
     """Return the text of an IFC4 file.
 
     `window`: "style", glass by its surface style; "shape", a frame and a pane without
     style; "box", one box; "opening", an opening in the wall only. `numbers`: properties
-    of the window. `shift`: translation of the building along x [m].
+    of the window. `shift`: translation of the building along x [m]. `space_faces`: the
+    space is a box of six faces, 4 m × 5 m × 3 m, of which these are reversed.
     """
     step = _Step(metres)
     prefix = {1.0: "$", 0.001: ".MILLI."}[metres]
@@ -105,7 +123,8 @@ def ifc_room(
         return step.add("IFCPRODUCTDEFINITIONSHAPE", "$", "$", _list([body]))
 
     # Space, slabs and walls
-    body = shaped(step.prism(ROOM, 0, 3))
+    prism = space_faces is None
+    body = shaped(step.prism(ROOM, 0, 3) if prism else step.faces(4, 5, 3, space_faces))
     space = ("$", place, body, "'Office'", ".ELEMENT.", ".INTERNAL.", "$")
     spaces = [step.root("IFCSPACE", "1.01", *space)]
     for name, low, high, kind in (

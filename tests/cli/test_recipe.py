@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import subprocess
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,10 @@ def test_sky_views_of_an_open_field(recipe):
         )
         found = np.loadtxt(folder / "results" / "sky_view" / "g.res")
         assert found == pytest.approx([100, wall], abs=0.5)
+    scene = zipfile.ZipFile(folder / "visualization.vtkjs").read("index.json")
+    names = [each["name"] for each in json.loads(scene)["scene"]]
+    assert names[0] == "grid g"
+    assert len(names) == 2  # and the shade
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,12 @@
 """`clerestory view`: the page of a run as a file, and served by another process."""
 
 import http.client
+import json
 import os
 import signal
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -49,6 +51,24 @@ def test_the_page_is_written_to_a_file(call, results, tmp_path):
     page = (tmp_path / "explore.html").read_text(encoding="utf-8")
     assert "Three desks · interactive results" in page
     assert 'id="part-operated"' in page
+
+
+def test_results_are_a_scene_for_viewers_of_vtk(call, results, tmp_path):
+    outcome = call("view", results, "-o", tmp_path / "desk.vtkjs")
+    assert (outcome.status, outcome.err) == (0, "")
+    archive = zipfile.ZipFile(tmp_path / "desk.vtkjs")
+    scene = json.loads(archive.read("index.json"))
+    [grid] = scene["scene"]
+    assert grid["name"] == "grid desk"
+    assert grid["mapper"]["colorByArrayName"] == "Daylight autonomy [%]"
+    assert "Mean illuminance [lux]" in scene["lookupTables"]
+
+
+def test_a_file_of_another_type_is_an_error(call, results, tmp_path):
+    outcome = call("view", results, "-o", tmp_path / "desk.vtk")
+    assert outcome.status == 2
+    assert ".vtkjs expected" in outcome.err
+    assert not (tmp_path / "desk.vtk").exists()
 
 
 def test_a_folder_without_results_is_an_error(call, tmp_path):

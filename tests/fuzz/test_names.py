@@ -8,9 +8,11 @@ import ast
 import csv
 import importlib.resources
 import json
+import re
 import subprocess
 import tomllib
 import warnings
+import zipfile
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -88,6 +90,7 @@ from clerestory.study.unknown_quantities import UnknownQuantities
 from clerestory.study.variant_figures import RunFigures, VariantFigure
 from clerestory.study.variant_outputs import write_variants
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
+from clerestory.study.vtkjs import Surfaces, write_vtkjs
 from clerestory.uncertainty.calibration import calibrate
 from clerestory.uncertainty.distributions import normal
 from clerestory.uncertainty.draws import Unknown
@@ -590,7 +593,9 @@ def test_recipe_results_hold_any_name(folder):
     light = {g.full_id: np.full((g.count, 1), 1.0) for g in grids}
     arrays = {"total": light, "direct": light}
     times = np.array(["2023-01-01T12:30"], "datetime64[s]")
-    annual = AnnualLight(grids, times, 1, {STATIC: {"default": arrays}})
+    annual = AnnualLight(
+        grids, times, 1, {STATIC: {"default": arrays}}, np.ones(len(times), bool)
+    )
     _write_hourly(out / "hourly", annual, "total")
     write_levels(out / "en17037", chosen, annual, np.ones(1, bool))
     write_credits(out / "breeam", chosen, annual)
@@ -653,6 +658,18 @@ def test_energyplus_input_holds_any_name(folder):
     assert len(document["Zone"]) == len(NAMES)
 
 
+def test_scenes_for_viewers_hold_any_name(folder):
+    """Names of datasets and of values in JSON; members of the archive are numbers."""
+    corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    given = [Surfaces(name, corners, {name: np.ones(1)}) for name in NAMES]
+    write_vtkjs(folder / "a.vtkjs", given)
+    archive = zipfile.ZipFile(folder / "a.vtkjs")
+    scene = json.loads(archive.read("index.json"))["scene"]
+    assert [each["name"] for each in scene] == list(NAMES)
+    members = re.compile(r"(\d+/)?(index.json|data/[0-9a-f]+)")
+    assert all(map(members.fullmatch, archive.namelist()))
+
+
 def _calibrated(names):
     """A fit of quantities and series of the given names."""
     unknowns = tuple(Unknown(name, normal(0.5, 0.1), 0.5) for name in names)
@@ -707,6 +724,7 @@ WRITERS = {
     "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,
     "comparison.comparison_output.write_tables": "JSON",
     "comparison.mapping.write_layout_sensors": "numbers",
+    "compat.genskyvec._described": "a copy of standard input in a temporary folder",
     "compat.programs.install_programs": "names of programs, quoted for a shell",
     "compat.streams.write_matrix": "bytes that write_rows has written",
     "control.schedule.write_schedule": test_schedules_return_their_groups,
@@ -765,6 +783,7 @@ WRITERS = {
     "study.study_files.write_sensors": "numbers",
     "study.variant_outputs.write_variants": test_figures_of_variants_hold_any_name,
     "study.variant_run.run_variants": "hashes, and names in JSON",
+    "study.vtkjs.write_vtkjs": test_scenes_for_viewers_hold_any_name,
     "report.variants_page.write_variants_page": test_figures_of_variants_hold_any_name,
 }
 _WRITING = {"write_text", "write_bytes", "replace_file", "replace_path", "mkstemp"}

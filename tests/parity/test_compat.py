@@ -16,6 +16,7 @@ from radiance import ENVIRONMENT
 
 import clerestory
 from clerestory.compat.programs import PROGRAMS, install_programs
+from clerestory.hemisphere.reinhart import reinhart
 from clerestory.image.picture_files import read_picture
 from clerestory.matrix.radiance_format import read_matrix
 
@@ -220,3 +221,21 @@ def test_products_are_those_of_radiance(run, matrices, command):
     np.testing.assert_allclose(
         ours, theirs, rtol=1e-4, atol=1e-4 * np.abs(theirs).max()
     )
+
+
+def test_genskyvec_keeps_the_irradiance_of_a_sky(run):
+    """On the ground as by rtrace under the same sky, but for the spread of the sun."""
+    text = """
+gendaylit 3 20 10:30EDT -m 75 -o 73.96 -a 40.78 -W {direct} 162 > sky.txt
+genskyvec -m {mf} -c 1 1 1 < sky.txt > sky.vec
+cat sky.txt > sky.rad
+echo "skyfunc glow g 0 0 4 1 1 1 0 g source s 0 0 4 0 0 1 180" >> sky.rad
+oconv sky.rad > sky.oct
+echo 0 0 0 0 0 1 | rtrace -h -I -ab 1 -ad 60000 -lw 1e-7 -aa 0 sky.oct > up.txt
+"""
+    for direct, mf, bound in ((0, 1, 0.005), (706, 4, 0.01)):
+        room = run(text, f"vector{mf}", ours=True, direct=direct, mf=mf)
+        column = read_matrix(room / "sky.vec").values[:, 1:, 0]
+        found = column @ reinhart(mf).dome.projected_solid_angles()
+        expected = np.loadtxt(room / "up.txt")
+        assert found == pytest.approx(expected, rel=bound)

@@ -12,6 +12,7 @@ from clerestory.scene.model import (
     Scene,
     Sphere,
 )
+from clerestory.scene.view import View
 
 SUN_DEG = 0.533
 INDEX = 1.5
@@ -22,8 +23,8 @@ BLACK = Plastic("black", np.zeros(3))
 HEIGHT, HALF, THICK, SLOPE_DEG = 2.0, 0.2, 0.3, 15.0
 PRISM_SUN = np.array([np.sin(np.radians(20)), 0.0, np.cos(np.radians(20))])
 
-# Ball: radius and height of its centre above the floor [m]
-RADIUS, CENTRE = 0.05, 0.08
+# Ball: radius and height of its centre above the floor, radius around its focus [m]
+RADIUS, CENTRE, FOCUS = 0.05, 0.08, 0.02
 
 
 def lit(surfaces, direction, *materials):
@@ -132,6 +133,19 @@ def ball_landings(count=200_000):
         radii.append(radius[lands])
         fluxes.append((flux * share)[lands])
     return np.concatenate(radii), np.concatenate(fluxes)
+
+
+def focus_view():
+    """A view of the floor around the ball's focus."""
+    up, north = np.array([0.0, 0, 1]), np.array([0.0, 1, 0])
+    return View("parallel", 0.004 * up, -up, north, 2 * FOCUS, 2 * FOCUS)
+
+
+def focus_shares(pixels, part=16):
+    """Share of each pixel of the view that lies within the circle of radius FOCUS."""
+    place = (np.arange(pixels * part) + 0.5) / (pixels * part) * 2 - 1
+    inside = np.hypot(*np.meshgrid(place, place)) < 1
+    return inside.reshape(pixels, part, pixels, part).mean(axis=(1, 3))
 
 
 def mirror_ball():

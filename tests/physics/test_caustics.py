@@ -7,47 +7,24 @@ independent, as by 40 seeds: their scatter and their error bars must agree.
 import numpy as np
 import pytest
 from caustic_scenes import (
-    SUN_DEG,
+    FOCUS,
     ball,
     ball_landings,
+    focus_shares,
+    focus_view,
     mirror_ball,
     mirror_light,
     prism,
     prism_light,
 )
+from repeated_estimates import SAMPLES, agrees
 
 from clerestory.phases.rendering import irradiance, render, render_irradiance
 from clerestory.scene.model import Plastic, Polygon, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
-SEEDS, SAMPLES = 40, 8192
 UPWARDS, NORTHWARDS = np.array([0.0, 0, 1]), np.array([0.0, 1, 0])
-SUN_SR = 2 * np.pi * (1 - np.cos(np.radians(SUN_DEG / 2)))
-
-
-def repeated(scene, place, normal, device, *, samples=SAMPLES):
-    """Irradiance of independent sensors in one place, and their errors."""
-    many = Sensors(np.tile(place, (SEEDS, 1)), np.tile(normal, (SEEDS, 1)))
-    found = irradiance(scene, many, samples=samples, device=device)
-    return found.irradiance[:, 0], found.error[:, 0]
-
-
-def agrees(scene, place, normal, truth, device, *, samples=SAMPLES):
-    """Check mean, error bars, and variance against that of BSDF sampling.
-
-    Cosine-distributed directions find the sun with at most the probability p that is
-    the irradiance over π times the radiance of the sun: 1/(p·n) is their relative
-    variance.
-    """
-    value, error = repeated(scene, place, normal, device, samples=samples)
-    scatter = value.std(ddof=1)
-    assert abs(value.mean() - truth) < 4 * scatter / np.sqrt(SEEDS) + 1e-3 * truth
-    assert abs(value.mean() - truth) < 0.01 * truth
-    assert 0.7 < np.sqrt(np.mean(error**2)) / scatter < 1.4
-    assert np.mean(np.abs(value - truth) > 3 * error) <= 0.1
-    by_chance = np.pi / (truth * SUN_SR * samples)
-    assert (scatter / truth) ** 2 < by_chance / 50
 
 
 @pytest.mark.parametrize("where", [(0, 0), (0.85, 0.85), (-0.85, 0.5)])
@@ -99,20 +76,13 @@ def test_a_mirror_ball_spreads_the_sun(device, incidence_deg):
 
 def test_a_ball_lens_focuses_the_sun(device):
     """Flux in the caustic on the floor, by quadrature over the ball's cross-section."""
-    half, pixels, part = 0.02, 48, 16
+    pixels = 48
     radius, flux = ball_landings()
-    truth = flux[radius < half].sum()
-    view = View(
-        "parallel", 0.004 * UPWARDS, -UPWARDS, NORTHWARDS, 2 * half, 2 * half
-    )  # fmt: skip
+    truth = flux[radius < FOCUS].sum()
     seen = render_irradiance(
-        ball(), view, columns=pixels, rows=pixels, samples=1024, device=device
+        ball(), focus_view(), columns=pixels, rows=pixels, samples=1024, device=device
     )
-    # Share of each pixel within the circle
-    place = (np.arange(pixels * part) + 0.5) / (pixels * part) * 2 - 1
-    inside = np.hypot(*np.meshgrid(place, place)) < 1
-    inside = inside.reshape(pixels, part, pixels, part).mean(axis=(1, 3))
-    area = (2 * half / pixels) ** 2
+    inside, area = focus_shares(pixels), (2 * FOCUS / pixels) ** 2
     found = np.sum(seen.picture.radiance[..., 0] * inside) * area
     error = np.sqrt(np.sum((seen.error[..., 0] * inside) ** 2)) * area
     assert abs(found - truth) < 0.01 * truth

@@ -3,12 +3,14 @@
 References: G. Ward, manual pages of dctimestep(1) and rmtxop(1).
 """
 
+import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise
 from operator import matmul
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -19,13 +21,6 @@ from clerestory.compat.streams import ENCODINGS, Streams
 from clerestory.compat.words import NUMBERS, Grammar, reals, whole
 from clerestory.errors import InputError, MatrixError
 from clerestory.files import read_bytes
-from clerestory.image.picture import Picture
-from clerestory.image.picture_sets import (
-    is_picture_set,
-    read_picture_set,
-    write_picture_set,
-)
-from clerestory.library.bsdf_source import read_bsdf
 from clerestory.matrix.axis import unknown_axis
 from clerestory.matrix.radiance_format import (
     Encoding,
@@ -47,16 +42,17 @@ _ITEM = {"a": "f8", "f": "f4", "d": "f8"}
 def dctimestep(words: Sequence[str], streams: Streams) -> None:
     """Run dctimestep: C S, or V T D S, for all time steps of S."""
     call = _parse_timestep(words)
-    pictures = is_picture_set(Path(call.factors[0]))
+    pictures = "%" in call.factors[0]
     first, like = (
-        read_picture_set(Path(call.factors[0]))
+        _module("compat.picture_products").read_picture_set(Path(call.factors[0]))
         if pictures
         else (_read(call.factors[0], streams)[0], None)
     )
     others = [_read(name, streams)[0] for name in call.factors[1:]]
     product = reduce(matmul, _fitting([first, *others, _sky(call, others, streams)]))
     if like is not None:
-        _write_pictures(product, like, call, streams)
+        write = _module("compat.picture_products").write_pictures
+        write(product, like, call.output, streams)
     elif call.output is None:
         encoding = ENCODINGS[call.writing]
         streams.write_matrix(product, encoding=encoding, header=call.header)
@@ -138,23 +134,6 @@ def _sky(
     )
     table = values.reshape(-1, columns, channels)
     return _unlabelled(np.moveaxis(table, -1, 0).copy())
-
-
-def _write_pictures(
-    product: TransferMatrix, like: Picture, call: _Timestep, streams: Streams
-) -> None:
-    if call.output is not None:
-        path = Path(call.output)
-        write_picture_set(path, product, like, command=streams.command)
-        return
-    columns = product.columns.size
-    if columns != 1:
-        raise InputError(
-            f"dctimestep: pictures of {columns} time steps without -o; -o with a number"
-            " such as %04d expected"
-        )
-    with streams.output("out.hdr") as path:
-        write_picture_set(path, product, like, command=streams.command)
 
 
 def rmtxop(words: Sequence[str], streams: Streams) -> None:
@@ -256,7 +235,13 @@ def _read(name: str, streams: Streams) -> tuple[TransferMatrix, Encoding]:
     path = streams.path(name)
     if path.suffix.lower() != ".xml":
         return parse_matrix(read_bytes(path), path)
-    return read_bsdf(path).transmission_matrix(), "ascii"
+    bsdf = _module("library.bsdf_source").read_bsdf(path)
+    return bsdf.transmission_matrix(), "ascii"
+
+
+def _module(name: str) -> Any:
+    # Module for pictures or BSDFs, which most calls do not have: imported when needed
+    return importlib.import_module(f"clerestory.{name}")
 
 
 def _fitting(matrices: list[TransferMatrix]) -> list[TransferMatrix]:

@@ -22,6 +22,7 @@ PROGRAMS = {
     "dctimestep": "matrix_programs",
     "rmtxop": "matrix_programs",
     "gendaymtx": "gendaymtx",
+    "genskyvec": "genskyvec",
 }
 
 

@@ -23,8 +23,8 @@ from clerestory.engine.upload import on_device, vectors
 # Probability that a path continues along a cone where there are any.
 _CHANCE = 0.4
 
-# Largest number of cones in a cell.
-_MOST = 96
+# Largest number of cones in a cell, and of those taken from a larger one.
+_MOST, _RARE = 96, 16
 
 # Fraction of the samples in a wider cone about each axis, and the ratio of the widths,
 # which must keep the wider cone within the hemisphere.
@@ -38,12 +38,42 @@ class Level:
     """Cones of cells of one size [m].
 
     `owner` is the key of the cell of each slot, or 0; the number of slots is a power
-    of 2.
+    of 2. `place` and `side` are the indices of the cell along each axis and its class
+    of normals.
     """
 
     size: float
     owner: Int[np.ndarray, " slot"]
+    place: Int[np.ndarray, "slot 3"]
+    side: Int[np.ndarray, " slot"]
     cones: ConeArrays
+
+    def extended(self, wider: "Level") -> "Level":
+        """Return the level with cones of larger cells that its own cells lack.
+
+        Few particles of a faint kind arrive in a small cell, and often none. Without a
+        cone, paths would find its light by chance only. A narrower cone of a kind
+        replaces the own one: more particles have been fitted by it.
+        """
+        ratio = round(wider.size / self.size)
+        owned = np.flatnonzero(self.owner)
+        key = keys(self.place[owned] // ratio, self.side[owned])
+        there = key & (len(wider.owner) - 1)
+        owned, there = (part[wider.owner[there] == key] for part in (owned, there))
+        # The strongest cones of the larger cell, for each cell
+        other = wider.cones.strongest(_RARE)
+        first, end = (np.searchsorted(other.slot, there + n) for n in (0, 1))
+        slot = np.repeat(owned, end - first)
+        before = np.cumsum(end - first) - end
+        number = np.arange(len(slot)) - np.repeat(before, end - first)
+        own, match = _matching(self.cones, slot, other.kind[number])
+        rare = other.some(number[match < 0])
+        # Weights are roots of power, which is proportional to the areas of the cells
+        rare = replace(rare, slot=slot[match < 0], weight=rare.weight / ratio)
+        known, number = match[match >= 0], number[match >= 0]
+        narrower = other.size[number] < own.size[known]
+        own = own.reshaped(known[narrower], other.some(number[narrower]))
+        return replace(self, cones=own + rare)
 
 
 @dataclass
@@ -76,7 +106,12 @@ class CausticLobes:
 
     @classmethod
     def of(cls, levels: list[Level]) -> "CausticLobes":
-        """Return the hash table of the strongest cones of each slot."""
+        """Return the hash table of the strongest cones of each slot.
+
+        `levels` are in ascending order of size.
+        """
+        for number in reversed(range(len(levels) - 1)):
+            levels[number] = levels[number].extended(levels[number + 1])
         slots = [len(level.owner) for level in levels]
         offsets = np.cumsum([0, *slots])
         kept = levels[0].cones
@@ -194,6 +229,16 @@ class Cones:
             before = until
             number += 1
         return total
+
+
+def _matching(
+    own: ConeArrays, slot: Int[np.ndarray, " n"], kind: Int[np.ndarray, " n"]
+) -> tuple[ConeArrays, Int[np.ndarray, " n"]]:
+    # Own cones in order, and the index of the one of each slot and kind, or -1
+    own = own.some(np.lexsort((own.kind, own.slot)))
+    mine, wanted = (own.slot << 32) + own.kind, (slot << 32) + kind
+    place = np.minimum(np.searchsorted(mine, wanted), len(mine) - 1)
+    return own, np.where(mine[place] == wanted, place, -1)
 
 
 def keys(

@@ -32,6 +32,7 @@ class ConeArrays:
     Attributes
     ----------
     slot : slot of the hash table of each cone
+    kind : hash of the surfaces and directions of its particles
     weight : sampling weight
     point, axis : position [m] and direction of the axis there
     gradient : derivative of the direction by position [1/m]
@@ -40,6 +41,7 @@ class ConeArrays:
     """
 
     slot: Int[np.ndarray, " cone"]
+    kind: Int[np.ndarray, " cone"]
     weight: Float[np.ndarray, " cone"]
     point: Float[np.ndarray, "cone 3"]
     axis: Float[np.ndarray, "cone 3"]
@@ -50,6 +52,20 @@ class ConeArrays:
     def __add__(self, other: "ConeArrays") -> "ConeArrays":
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return ConeArrays(*(np.concatenate(pair) for pair in pairs))
+
+    @property
+    def size(self) -> Float[np.ndarray, " cone"]:
+        """Solid angles over π [sr]."""
+        return np.asarray(self.width.prod(axis=1))
+
+    def reshaped(
+        self, number: Int[np.ndarray, " other"], like: "ConeArrays"
+    ) -> "ConeArrays":
+        """Return the cones; those of given indices have the shapes of others."""
+        parts = {name: part.copy() for name, part in vars(self).items()}
+        for name in ("point", "axis", "gradient", "across", "width"):
+            parts[name][number] = getattr(like, name)
+        return ConeArrays(**parts)
 
     def strongest(self, most: int) -> "ConeArrays":
         """Return the cones of largest weight in each slot, in order of slots."""
@@ -79,12 +95,15 @@ class Arrivals:
 
 
 def fitted_cones(
-    slot: Int[np.ndarray, " cone"], cone: Int[np.ndarray, " arrival"], found: Arrivals
+    slot: Int[np.ndarray, " cone"],
+    kind: Int[np.ndarray, " cone"],
+    cone: Int[np.ndarray, " arrival"],
+    found: Arrivals,
 ) -> ConeArrays:
     """Return one cone for each group of arrivals.
 
-    `slot` is the slot of each cone in the hash table, `cone` the cone of each arrival;
-    no cone is without arrivals.
+    `slot` and `kind` are those of each cone, `cone` is the cone of each arrival; no
+    cone is without arrivals.
     """
     count = np.bincount(cone, minlength=len(slot))
     middle, axis = (_means(part, cone, count) for part in (found.point, found.towards))
@@ -116,6 +135,7 @@ def fitted_cones(
     width = np.where(many[:, None], width, loose[:, None])
     return ConeArrays(
         slot,
+        kind,
         np.sqrt(count),
         middle,
         axis,

@@ -114,9 +114,11 @@ def _level(
     slots = 1 << (_SPARSE * len(table)).bit_length()
     owner = np.zeros(slots, dtype=np.int64)
     owner[table & (slots - 1)] = table
+    place, side = np.zeros((slots, 3), dtype=np.int64), np.zeros(slots, dtype=np.int64)
     # Of cells in one slot, one owns it; larger cells serve the others
     owned = np.flatnonzero(owner[key & (slots - 1)] == key)
     entries, key = entries.some(owned), key[owned]
+    place[key & (slots - 1)], side[key & (slots - 1)] = entries.place, entries.side
     segment = particles.start - particles.end
     distance = np.linalg.norm(segment, axis=1)
     direction = segment / np.maximum(distance, 1e-12)[:, None]
@@ -128,4 +130,5 @@ def _level(
     blur = particles.blur + 0.25 * size / np.maximum(distance, size)
     number = entries.number
     found = Arrivals(entries.point, direction[number], blur[number])
-    return Level(size, owner, fitted_cones(code >> 32, cone, found))
+    fits = fitted_cones(code >> 32, code & 0xFFFFFFFF, cone, found)
+    return Level(size, owner, place, side, fits)

@@ -5,10 +5,8 @@ different seed for every row and batch of a matrix. Batches are therefore indepe
 unbiased estimates, and the points of each vertex in a batch are evenly distributed.
 Later vertices, of low throughput, use hashed random numbers.
 
-References: I. M. Sobol', USSR Comput. Math. Math. Phys. 7 (4), 1967, with the
-direction numbers of S. Joe and F. Kuo, SIAM J. Sci. Comput. 30, 2008 (as in SciPy);
-S. Laine and T. Karras, "Stratified sampling for stochastic transparency", 2011;
-B. Burley, "Practical hash-based Owen scrambling", JCGT 9 (4), 2020.
+References: S. Laine and T. Karras, "Stratified sampling for stochastic transparency",
+2011; B. Burley, "Practical hash-based Owen scrambling", JCGT 9 (4), 2020.
 """
 
 from dataclasses import dataclass
@@ -16,8 +14,8 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from scipy.stats import qmc
 
+from clerestory.engine.sobol import sobol
 from clerestory.engine.upload import on_device, search
 
 # Dimensions of the sample point used at a path vertex, by purpose.
@@ -44,12 +42,7 @@ class Points:
 
 def points(first: int, count: int) -> Points:
     """Return the points `first` to `first + count` of the sequence."""
-    sequence = qmc.Sobol(VERTICES * PER_VERTEX, scramble=False, bits=32)
-    if first:
-        sequence.fast_forward(first)
-    full = sequence.random(1 << (count - 1).bit_length())[:count]
-    coordinates = np.round(full.T * 2.0**32).astype(np.uint32)
-    table = dr.brev(on_device(mi.UInt32, coordinates))
+    table = dr.brev(on_device(mi.UInt32, sobol(first, count)))
     dr.eval(table)
     stride, start = (dr.opaque(mi.UInt32, number) for number in (count, first))
     return Points(table, count, stride, start)

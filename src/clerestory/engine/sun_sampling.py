@@ -158,8 +158,10 @@ class Suns(Source):
                 portals.sunlit, vertex.point, vertex.cell, u, v
             )
         if self.lobes.groups:
-            lobe = self.lobes.sample(dr.minimum(pick / _LOBES, 1), sun.direction, u, v)
-            chosen = pick < _LOBES if portals else mi.Bool(True)
+            share = _LOBES if portals else 1.0
+            chosen = pick < share
+            group = dr.minimum(pick / share, 1)
+            lobe = self.lobes.sample(group, sun.direction, u, v)
             direction = dr.select(chosen, lobe, direction)
             valid |= chosen
 

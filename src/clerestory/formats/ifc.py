@@ -15,7 +15,7 @@ from clerestory.formats.building_model import BuildingModel, RoomFloor, SitePosi
 from clerestory.formats.ifc_glazing import Found, Glazing, glazing_of
 from clerestory.formats.ifc_materials import Materials
 from clerestory.formats.ifc_process import Content, Mesh, Product, read_products
-from clerestory.formats.triangle_outlines import area_normals, outlines
+from clerestory.formats.triangle_outlines import area_normals, lowest, outlines
 from clerestory.scene.model import (
     Material,
     Polygon,
@@ -164,17 +164,18 @@ def _placed(mesh: Mesh, offset: Vector, path: str | Path) -> Mesh:
 
 
 def _floor(mesh: Mesh) -> RoomFloor:
-    # Faces that look down, without the sills of windows
+    # Lowest faces, without the sills of windows; in some files faces look anywhere
     corners = mesh.vertices[mesh.faces]
     area = area_normals(corners)
-    down = area[:, 2] < -_STEEP * np.linalg.norm(area, axis=1)
-    floors = outlines(corners[down], gap=_LEVEL)
-    size = [abs(area_vector(outline)[2]) for outline in floors]
-    lowest = min((outline[:, 2].min() for outline in floors), default=0.0)
+    level = corners[np.abs(area[:, 2]) > _STEEP * np.linalg.norm(area, axis=1)]
+    chosen = level[lowest(level, gap=_LEVEL)]
+    floors = outlines(chosen, gap=_LEVEL)
+    areas = [abs(area_vector(outline)[2]) for outline in floors]
+    bottom = min((outline[:, 2].min() for outline in floors), default=0.0)
     kept = tuple(
         outline
-        for outline, each in zip(floors, size, strict=True)
-        if outline[:, 2].min() <= lowest + _SILL or each >= _SMALL * max(size)
+        for outline, each in zip(floors, areas, strict=True)
+        if outline[:, 2].min() <= bottom + _SILL or each >= _SMALL * max(areas)
     )
     top = float(mesh.vertices[:, 2].max())
     return RoomFloor(mesh.product.guid, _space(mesh.product), kept, top)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from importlib import import_module
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -49,6 +49,24 @@ def outlines(corners: Corners, *, gap: float) -> list[Float[np.ndarray, "_ 3"]]:
     found: list[Float[np.ndarray, "_ 3"]] = []
     for normal, chosen in _planes(corners, gap):
         found += _union(corners[chosen], normal)
+    return found
+
+
+def lowest(corners: Corners, *, gap: float) -> Bool[np.ndarray, " triangle"]:
+    """Return which triangles have no other one more than `gap` [m] below their centre.
+
+    >>> low = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
+    >>> lowest(np.stack([low, low + (0, 0, 3), low + (9, 0, 3)]), gap=0.01).tolist()
+    [True, False, True]
+    """
+    centre, plan = corners.mean(axis=1), corners[:, :, :2]
+    found = np.ones(len(corners), dtype=bool)
+    for triangle, below in zip(plan, centre[:, 2] + gap, strict=True):
+        ends = np.roll(triangle, -1, axis=0) - triangle
+        away = centre[:, None, :2] - triangle
+        side = ends[:, 0] * away[..., 1] - ends[:, 1] * away[..., 0]
+        inside = np.all(side >= 0, axis=1) | np.all(side <= 0, axis=1)
+        found &= ~(inside & (centre[:, 2] > below))
     return found
 
 

@@ -14,7 +14,7 @@ from clerestory.sky.weather import Weather
 from clerestory.sky.weather_selection import select_moment, step_containing
 
 # Distant sources for sky and ground: hemispheres above and below the horizon
-_DOMES = """
+DOMES = """
 skyfunc glow sky_glow 0 0 4 1 1 1 0
 sky_glow source sky 0 0 4 0 0 1 180
 skyfunc glow ground_glow 0 0 4 1 1 1 0
@@ -40,7 +40,7 @@ def sky_scene(command: str) -> Scene:
     )
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "sky.rad")
-        file.write_text(f"!{command}\n{_DOMES}", encoding="utf-8")
+        file.write_text(f"!{command}\n{DOMES}", encoding="utf-8")
         try:
             return read_rad(file)
         except InputError as error:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, final
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from clerestory.checks import require
 from clerestory.cluster.cluster import executor_at
@@ -24,10 +24,11 @@ from clerestory.metrics.honeybee import STATIC, Light
 from clerestory.metrics.honeybee_writer import Arrays, GridRecord, hours_of_year
 from clerestory.phases.matrix_equation import Skies
 from clerestory.phases.matrix_store import MatrixStore
-from clerestory.phases.unscattered_light import unscattered_sun
+from clerestory.phases.unscattered_light import sun_visible
 from clerestory.recipes.inputs import traced_effort
 from clerestory.recipes.model import RecipeModel
 from clerestory.sky.sky_conditions import Spectrum, sun_over
+from clerestory.sky.solar_position import SunFormula
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
 from clerestory.study.input_checks import warn_of_inputs
@@ -37,8 +38,11 @@ from clerestory.study.model_import import write_building_model
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
 
-# Rays per sensor and sun, over the solar disc
-_SUN_RAYS = 16
+# Formula of the sun position: that of gendaymtx, which Ladybug Tools' recipes call
+SUN_FORMULA: SunFormula = "radiance"
+
+# Sensors of each block whose sun hours are traced at once
+_BLOCK = 512
 
 _Lux = Float[np.ndarray, "sensor time"]
 
@@ -53,12 +57,14 @@ class AnnualLight:
     times : centres of the time steps, `timestep` an hour
     paths : for each light path and state, arrays by grid; only of the grids that have
         the light path in their record
+    sun_up : whether the sun is above the horizon at each time step
     """
 
     grids: tuple[GridRecord, ...]
     times: np.ndarray
     timestep: int
     paths: Mapping[str, Mapping[str, Arrays]]
+    sun_up: Bool[np.ndarray, " time"]
 
     @property
     def hours(self) -> Float[np.ndarray, " time"]:
@@ -114,8 +120,10 @@ def annual_light(
         skies = study_skies(job.study, job.inputs, matrices.suns, spectrum=spectrum)
         paths = _paths(job, matrices, skies, chosen)
     grids = tuple(_with_paths(record, paths) for record in chosen.grids)
-    times = job.inputs.weather.times
-    return AnnualLight(grids, times, values["timestep"], paths)
+    weather = job.inputs.weather
+    sun = sun_over(weather, sun_formula=SUN_FORMULA)
+    up = sun.altitude > 0
+    return AnnualLight(grids, weather.times, values["timestep"], paths, up)
 
 
 @contextmanager
@@ -130,7 +138,7 @@ def recipe_job(
     weather: Path = values["wea"]
     check_timestep(weather, values["timestep"])
     windows = bool(chosen.model.windows)
-    sky = {"rotation_deg": float(values["north"])}
+    sky = {"rotation_deg": float(values["north"]), "sun_formula": SUN_FORMULA}
     if "sky-density" in values:
         sky["subdivision"] = values["sky-density"]
     settings: dict[str, Any] = {
@@ -235,27 +243,28 @@ def sunlit_hours(
     """Return 1 for each sensor and time step at which the sun is visible, otherwise 0.
 
     All steps of the weather file with the sun above the horizon count, whatever its
-    irradiance. The sun is visible through plain glass and window groups; a sensor that
-    sees a part of its disc is in the sun, one that faces away from it is not.
+    irradiance. The sun is visible through plain glass and window groups. A sensor that
+    sees the centre of its disc is in the sun, one that faces away from it is not.
     """
     check_timestep(values["wea"], values["timestep"])
+    scene = chosen.model.scene
     with located(file=values["wea"]):
         weather = read_weather(values["wea"])
-        sun = sun_over(weather, rotation_deg=float(values["north"]))
-    up = np.flatnonzero(sun.altitude > 0)
+        north = float(values["north"])
+        sun = sun_over(weather, rotation_deg=north, sun_formula=SUN_FORMULA)
+    up = sun.altitude > 0
     towards = sun.directions()[up]
     found: dict[str, _Lux] = {}
     for name, record in chosen.records.items():
-        seen = unscattered_sun(
-            chosen.model.scene,
-            sensors=chosen.model.grids[name],
-            suns=towards,
-            samples=_SUN_RAYS,
-            progress=display(f"direct sun of {record.name}"),
-        )
+        progress = display(f"direct sun of {record.name}")
+        sensors = chosen.model.grids[name]
         lit = np.zeros((record.count, len(weather)), dtype=np.float32)
-        lit[:, up] = seen.values.sum(axis=0) > 0
+        for first in range(0, record.count, _BLOCK):
+            own = slice(first, first + _BLOCK)
+            seen = sun_visible(scene, sensors.position[own], towards)
+            lit[own, up] = seen & (sensors.direction[own] @ towards.T > 0)
+            progress(min(1.0, (first + _BLOCK) / record.count), "")
         found[record.full_id] = lit
     arrays: Arrays = {"total": found, "direct": found}
     paths = {STATIC: {"default": arrays}}
-    return AnnualLight(chosen.grids, weather.times, values["timestep"], paths)
+    return AnnualLight(chosen.grids, weather.times, values["timestep"], paths, up)

@@ -29,6 +29,10 @@ _ALIASES = {
     "wea": "epw",
 }
 
+# Paths for each ray of -ad: coefficients of a sensor have then about the noise of
+# Radiance, which has one ray in each cell of the hemisphere and splits them at surfaces
+PATHS = 4
+
 # Options of Radiance's tracing programs that are accepted in "radiance-parameters"
 _RADIANCE = re.compile(
     r"-(a[abdrsv]|bv|c|d[cjprstv]|i|I|l[rw]|m[sgae]|p[adjst]|s[st]|st|u|w)[+-]?"
@@ -108,15 +112,15 @@ def _file(name: str, value: str | None, folder: Path) -> Path | None:
     return found[0]
 
 
-def traced_effort(parameters: str) -> dict[str, int]:
+def traced_effort(parameters: str, *, per_ray: int = PATHS) -> dict[str, int]:
     """Return samples and bounces for Radiance's ambient options.
 
-    -ab is the number of bounces, and -ad (times -c) the number of paths per sensor. The
-    other options of rtrace and rfluxmtx control interpolation and Russian roulette, and
-    have no effect.
+    -ab is the number of bounces; each ray of -ad (times -c) stands for `per_ray` paths.
+    The other options of rtrace and rfluxmtx control interpolation and Russian roulette,
+    and have no effect.
 
     >>> traced_effort("-ab 2 -ad 5000 -lw 2e-05 -dr 0")
-    {'samples': 5000, 'bounces': 2}
+    {'samples': 20000, 'bounces': 2}
     """
     found = {"-ab": 2.0, "-ad": 5000.0, "-c": 1.0}
     last = ""
@@ -137,7 +141,8 @@ def traced_effort(parameters: str) -> dict[str, int]:
         found[last] = number
     within(found["-ab"], "-ab", least=1, most=1000)
     within(found["-ad"] * found["-c"], "-ad times -c", least=1, most=1 << 26)
-    return {"samples": int(found["-ad"] * found["-c"]), "bounces": int(found["-ab"])}
+    samples = per_ray * int(found["-ad"] * found["-c"])
+    return {"samples": samples, "bounces": int(found["-ab"])}
 
 
 def thresholds(text: str) -> Mapping[str, float]:

@@ -1,7 +1,7 @@
 """Interfaces of the recipes by name: inputs, paths of the outputs, and functions."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, final
 
@@ -33,13 +33,15 @@ Run = Callable[[RecipeModel, Mapping[str, Any], Path, Display], None]
 class Recipe:
     """A recipe: inputs, paths of the outputs by name, and function.
 
-    `window_groups`: whether all windows are separate light paths, by room.
+    `window_groups`: whether all windows are separate light paths, by room. `shown` are
+    the outputs with a value for each sensor that the scene for viewers shows, by label.
     """
 
     inputs: tuple[Input, ...]
     outputs: Mapping[str, str]
     run: Run
     window_groups: bool = False
+    shown: Mapping[str, str] = field(default_factory=dict)
 
 
 def _model(sensors: int = 500) -> tuple[Input, ...]:
@@ -78,6 +80,13 @@ _DAYLIGHT_OUTPUTS = {
     "udi-upper": "metrics/udi_upper",
     "grid-summary": "grid_summary.csv",
 }
+_DAYLIGHT_SHOWN = {
+    "Daylight autonomy [%]": "metrics/da",
+    "Continuous daylight autonomy [%]": "metrics/cda",
+    "Useful illuminance [%]": "metrics/udi",
+    "Useful illuminance: below [%]": "metrics/udi_lower",
+    "Useful illuminance: above [%]": "metrics/udi_upper",
+}
 _THRESHOLDS = Input("thresholds", "text", "-t 300 -lt 100 -ut 3000")
 
 _DAYLIGHT = Recipe(
@@ -91,6 +100,7 @@ _DAYLIGHT = Recipe(
     ),
     _DAYLIGHT_OUTPUTS,
     outputs.annual_daylight,
+    shown=_DAYLIGHT_SHOWN,
 )
 
 _GLARE = Recipe(
@@ -105,6 +115,7 @@ _GLARE = Recipe(
     ),
     {"results": "results", "ga": "metrics/ga"},
     grid_glare.annual_glare,
+    shown={"Glare autonomy [%]": "metrics/ga"},
 )
 
 RECIPES: Mapping[str, Recipe] = {
@@ -127,6 +138,11 @@ RECIPES: Mapping[str, Recipe] = {
             "cumulative-radiation": "metrics/cumulative_radiation",
         },
         outputs.annual_irradiance,
+        shown={
+            "Mean irradiance [W/m²]": "metrics/average_irradiance",
+            "Peak irradiance [W/m²]": "metrics/peak_irradiance",
+            "Radiation [kWh/m²]": "metrics/cumulative_radiation",
+        },
     ),
     "cumulative-radiation": Recipe(
         (
@@ -140,6 +156,10 @@ RECIPES: Mapping[str, Recipe] = {
             "cumulative-radiation": "results/cumulative_radiation",
         },
         outputs.cumulative_radiation,
+        shown={
+            "Radiation [kWh/m²]": "results/cumulative_radiation",
+            "Mean irradiance [W/m²]": "results/average_irradiance",
+        },
     ),
     "direct-sun-hours": Recipe(
         (*_model(), *_weather(_COMPASS)),
@@ -148,11 +168,13 @@ RECIPES: Mapping[str, Recipe] = {
             "cumulative-sun-hours": "results/cumulative",
         },
         outputs.direct_sun_hours,
+        shown={"Direct sun [h]": "results/cumulative"},
     ),
     "daylight-factor": Recipe(
         (*_model(), _radiance(_GATHERED), Input("grid-metrics", "file")),
         {"results": "results", "grid-summary": "grid_summary.csv"},
         outputs.daylight_factor,
+        shown={"Daylight factor [%]": "results"},
     ),
     "point-in-time-grid": Recipe(
         (
@@ -163,6 +185,7 @@ RECIPES: Mapping[str, Recipe] = {
         ),
         {"results": "results/pit"},
         outputs.point_in_time_grid,
+        shown={"Point in time [lux or W/m²]": "results/pit"},
     ),
     "annual-daylight-en17037": Recipe(
         (
@@ -181,6 +204,7 @@ RECIPES: Mapping[str, Recipe] = {
             "summary-grid": "en17037/summary_grid.json",
         },
         en17037_levels.annual_daylight_en17037,
+        shown=_DAYLIGHT_SHOWN,
     ),
     "breeam-daylight-4b": Recipe(
         (*_model(), _WEATHER, _NORTH, _radiance(_ANNUAL)),
@@ -244,5 +268,6 @@ RECIPES: Mapping[str, Recipe] = {
         ),
         {"results": "results/sky_view"},
         outputs.sky_view,
+        shown={"Sky view [%]": "results/sky_view"},
     ),
 }

@@ -178,7 +178,7 @@ def _write_hourly(
     # Text matrices, a line for each sensor, of the steps with the sun above the horizon
     write_grids_info(folder, light.grids)
     totals = [light.total(grid, light=kind) for grid in light.grids]
-    lit = np.any([values.max(axis=0) > 0 for values in totals], axis=0)
+    lit = light.sun_up | np.any([lux.max(axis=0) > 0 for lux in totals], axis=0)
     hours = "\n".join(f"{hour:g}" for hour in light.hours[lit])
     write_text(folder / "sun-up-hours.txt", hours)
     for grid, values in zip(light.grids, totals, strict=True):

@@ -7,6 +7,7 @@ from clerestory.progress import silent
 from clerestory.recipes.inputs import read_inputs, traced_effort
 from clerestory.recipes.interfaces import RECIPES
 from clerestory.recipes.model import read_model, read_model_views
+from clerestory.recipes.visualization import VISUALIZATION, write_visualization
 from clerestory.study.job import Display
 
 
@@ -46,4 +47,8 @@ def run_recipe(
         )
     place = Path(folder) / name.replace("-", "_")
     recipe.run(chosen, values, place, display or silent)
-    return {key: place / path for key, path in recipe.outputs.items()}
+    found = {key: place / path for key, path in recipe.outputs.items()}
+    if recipe.shown:
+        write_visualization(place, chosen, recipe.shown)
+        found["visualization"] = place / VISUALIZATION
+    return found

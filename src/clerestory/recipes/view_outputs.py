@@ -27,7 +27,7 @@ def point_in_time_view(
     """
     sky = sky_scene(sky_command(values["sky"]))
     scene = chosen.model.scene + window_panes(chosen.model) + sky
-    effort = traced_effort(values["radiance-parameters"])
+    effort = traced_effort(values["radiance-parameters"], per_ray=1)
     seen = values["metric"] in ("luminance", "radiance")
     trace = render if seen else render_irradiance
     stems = file_stems(chosen.model.views)

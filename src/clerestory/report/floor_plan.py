@@ -21,7 +21,7 @@ from clerestory.report.mesh_lines import (
 )
 from clerestory.report.metric_maps import MetricMap
 from clerestory.report.orientation import orientation
-from clerestory.report.sensor_cells import sensor_cells
+from clerestory.scene.sensor_cells import sensor_cells
 
 _WIDTH, _HEIGHT = 320.0, 380.0
 _MARGIN, _FOOT = 16.0, 30.0

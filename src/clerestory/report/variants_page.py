@@ -24,8 +24,8 @@ from clerestory.report.markdown import markdown
 from clerestory.report.markup import Markup, drawing, element, render
 from clerestory.report.page_assets import asset, content_policy
 from clerestory.report.pareto_plot import Objectives, objectives, pareto_plot
-from clerestory.report.sensor_cells import sensor_cells
 from clerestory.report.uncertain_value import Figure
+from clerestory.scene.sensor_cells import sensor_cells
 from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import (
     RunFigures,

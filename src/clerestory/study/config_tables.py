@@ -21,6 +21,7 @@ from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
 from clerestory.scene.scaling import METRES, Unit
 from clerestory.sky.daylight_spectra import SkyColour, SunColour
+from clerestory.sky.solar_position import SunFormula
 from clerestory.sky.station_file import MeasuredTable, SiteTable
 from clerestory.spectral.band_sets import band_set
 
@@ -240,6 +241,7 @@ class SkyTable(Table):
     subdivision: Literal[1, 2, 3, 4, 5, 6] = 4
     ground_reflectance: float = Field(0.2, ge=0, le=1)
     rotation_deg: float = Field(0.0, ge=-360, le=360)
+    sun_formula: SunFormula = "spa"
     daylight: DaylightTable = Field(default_factory=DaylightTable)
 
 

@@ -81,8 +81,12 @@ class ControlInputs:
     @cached_property
     def sun(self) -> Float[np.ndarray, "time 3"]:
         """Unit vectors to the sun, in the coordinate system of the scene."""
-        rotation = self.study.sky.rotation_deg
-        return sun_over(self.inputs.weather, rotation_deg=rotation).directions()
+        table = self.study.sky
+        return sun_over(
+            self.inputs.weather,
+            rotation_deg=table.rotation_deg,
+            sun_formula=table.sun_formula,
+        ).directions()
 
     def profile(
         self, group: int, *, vertical: bool = False
@@ -114,6 +118,7 @@ class ControlInputs:
             subdivision=table.subdivision,
             ground_reflectance=table.ground_reflectance,
             rotation_deg=table.rotation_deg,
+            sun_formula=table.sun_formula,
             spectrum="solar",
             bands=self.skies.whole.bands,
         )

@@ -72,6 +72,7 @@ def study_skies(
         subdivision=study.sky.subdivision,
         ground_reflectance=study.sky.ground_reflectance,
         rotation_deg=study.sky.rotation_deg,
+        sun_formula=study.sky.sun_formula,
         bands=inputs.scene.bands,
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
         spectrum=spectrum,
@@ -116,6 +117,7 @@ def study_suns(
     return make(
         weather,
         rotation_deg=study.sky.rotation_deg,
+        sun_formula=study.sky.sun_formula,
         spectrum=spectrum,
         bands=band_set(study.scene.bands),
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,

@@ -52,6 +52,15 @@ def room(tmp_path_factory):
 
 
 @with_ifcopenshell
+@pytest.mark.parametrize("reversed_", [(), (0, 1), (1,), tuple(range(6))])
+def test_the_floor_of_a_space_whose_faces_look_anywhere(read, reversed_):
+    """A surface model of a box; floor, ceiling or all faces are the other way round."""
+    [space] = read(ifc_room(space_faces=reversed_)).rooms
+    assert sum(map(area, space.outlines)) == pytest.approx(20, rel=1e-6)
+    assert all(outline[:, 2].max() == pytest.approx(0) for outline in space.outlines)
+
+
+@with_ifcopenshell
 def test_the_floor_of_a_space_is_its_outline(room):
     [space] = room.rooms
     assert space.name == "1.01 Office"

@@ -65,7 +65,7 @@ def test_faults_name_the_input(read, given, message):
 
 
 def test_ambient_options_give_samples_and_bounces():
-    assert traced_effort("-ab 6 -ad 100 -c 20") == {"samples": 2000, "bounces": 6}
+    assert traced_effort("-ab 6 -ad 100 -c 20") == {"samples": 8000, "bounces": 6}
     with pytest.raises(InputError, match="'-spam' is unknown"):
         traced_effort("-ab 2 -spam 3")
     with pytest.raises(InputError, match="-ab is 0"):

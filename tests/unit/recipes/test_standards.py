@@ -19,6 +19,7 @@ from clerestory.recipes.outputs import write_illuminance
 
 HOURS = np.arange(8760)
 TIMES = np.datetime64("2023-01-01T00:30", "s") + HOURS * np.timedelta64(3600, "s")
+SUN_UP = np.ones(len(TIMES), dtype=bool)
 OCCUPIED = (HOURS % 24 >= 8) & (HOURS % 24 < 18)
 
 
@@ -44,10 +45,12 @@ def light_of(chosen, total, direct=None):
         for lux, sun in zip(total, direct or total, strict=True)
     ]
     if len(states) == 1:
-        return AnnualLight(chosen.grids, TIMES, 1, {STATIC: {"default": states[0]}})
+        return AnnualLight(
+            chosen.grids, TIMES, 1, {STATIC: {"default": states[0]}}, SUN_UP
+        )
     names = {f"{k}_state": each for k, each in enumerate(states)}
     grids = tuple(replace(each, light_paths=("south",)) for each in chosen.grids)
-    return AnnualLight(grids, TIMES, 1, {"south": names})
+    return AnnualLight(grids, TIMES, 1, {"south": names}, SUN_UP)
 
 
 def saved(folder, name):
@@ -222,7 +225,7 @@ def test_light_paths_of_a_grid_are_those_that_light_it(chosen, tmp_path):
         found[path] = _lit(states) if found else states
     grids = tuple(_with_paths(record, found) for record in chosen.grids)
     assert [each.light_paths for each in grids] == [("south",), ("south", "north")]
-    light = AnnualLight(grids, TIMES, 1, found)
+    light = AnnualLight(grids, TIMES, 1, found, SUN_UP)
     write_illuminance(tmp_path, light)
     assert not list((tmp_path / "results" / "north").rglob("a.npy"))
     folder = read_honeybee(tmp_path / "results")

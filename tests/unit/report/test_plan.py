@@ -12,7 +12,7 @@ from clerestory.report.content_from_results import from_results
 from clerestory.report.floor_plan import plan, plan_frame
 from clerestory.report.mesh_lines import horizontal_section, visible_extent
 from clerestory.report.metric_maps import metric_maps
-from clerestory.report.sensor_cells import sensor_cells
+from clerestory.scene.sensor_cells import sensor_cells
 
 
 def area(outlines):

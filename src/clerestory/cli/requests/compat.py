@@ -11,7 +11,8 @@ from clerestory.options import required
 class Compat:
     """Run a program of Radiance with its own options: compat PROGRAM …OPTIONS.
 
-    The programs are rfluxmtx, rcontrib, dctimestep, rmtxop, gendaymtx and evalglare.
+    The programs are rfluxmtx, rcontrib, dctimestep, rmtxop, gendaymtx, genskyvec and
+    evalglare.
     With --install, write a folder of scripts with these names; if it is first in PATH,
     shell scripts that call the programs run on this package. Other programs, such as
     oconv and vwrays, remain those of Radiance.

@@ -117,11 +117,14 @@ class View:
     """Show the results of a run in the browser: hours, limits, states, glare.
 
     The page is served on the loopback address, for reading alone, at an address with a
-    random token. With -o it is written as one offline file of up to 12 MB instead.
+    random token. With -o it is written as one offline file of up to 12 MB instead, or,
+    with the extension .vtkjs, room and metrics as a scene for viewers of VTK.
     """
 
     results: Path = argument("Results folder or results.nc.", "RESULTS")
-    output: Path | None = option(None, "HTML file to write, instead of serving.", "-o")
+    output: Path | None = option(
+        None, "HTML or .vtkjs file to write, instead of serving.", "-o"
+    )
     port: int = option(
         0, "Port of the address; default: a free one.", least=0, most=65535
     )

@@ -11,6 +11,12 @@ from scipy.spatial import cKDTree
 _LONELY_SIZE = 0.5
 _DISC_CORNERS = 16
 
+# Length of the mean direction below which sensors have no common plane
+_SPREAD = 0.5
+
+# Horizontal part of a unit normal below which a surface is horizontal
+_LEVEL = 1e-6
+
 
 def sensor_cells(
     points: Float[np.ndarray, "sensor 2"],
@@ -61,3 +67,29 @@ def _rectangles(
 ) -> Float[np.ndarray, "sensor 4 2"]:
     corner = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * size
     return np.asarray(points[:, None, :] + corner @ _rotation(turn).T)
+
+
+def sensor_faces(
+    position: Float[np.ndarray, "sensor 3"], direction: Float[np.ndarray, "sensor 3"]
+) -> Float[np.ndarray, "sensor corner 3"]:
+    """Corners of the cell of each sensor, across the mean direction [m].
+
+    Sensors of one grid have about the same direction. The corners are counter-clockwise
+    as seen from the side that the sensors face.
+
+    >>> faces = sensor_faces(np.array([[0.0, 0, 1], [0, 2, 1]]), np.eye(3)[[2, 2]])
+    >>> faces[0, 0].round(6).tolist()
+    [-1.0, -1.0, 1.0]
+    """
+    normal = direction.mean(axis=0)
+    length = float(np.linalg.norm(normal))
+    normal = normal / length if length > _SPREAD else np.array([0.0, 0.0, 1.0])
+    # Across: horizontal, or +x for horizontal surfaces; along completes the frame
+    level = np.array([-normal[1], normal[0], 0.0])
+    slope = float(np.hypot(*level[:2]))
+    across = level / slope if slope > _LEVEL else np.array([1.0, 0.0, 0.0])
+    along = np.cross(normal, across)
+    frame = np.stack([across, along], axis=-1)
+    plane = position @ frame
+    shift = sensor_cells(plane) - plane[:, None, :]
+    return np.asarray(position[:, None, :] + shift @ frame.T)
