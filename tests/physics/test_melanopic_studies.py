@@ -38,12 +38,15 @@ def study(tmp_path):
     file = folder / "study.toml"
     text = file.read_text()
 
-    def run(bands, *, spectrum="", method="3-phase", sky="", window="", again=""):
+    def run(
+        bands, *, spectrum="", method="3-phase", sky="", window="", again="", output=""
+    ):
         keys = f'[scene]\nbands = "{bands}"\n'
         changed = text.replace("[scene]\n", keys).replace("3-phase", method)
         changed = changed.replace("[[window]]", f"{spectrum}\n[[window]]", 1)
         file.write_text(changed.replace("[sky]\n", f"[sky]\n{sky}\n"))
         changed = file.read_text().replace("[[window]]\n", f"[[window]]\n{window}\n")
+        changed = changed.replace("[output]\n", f"[output]\n{output}\n")
         file.write_text(changed)
         name = f"{bands}-{method}-{len(spectrum)}-{len(sky)}-{len(window)}{again}"
         return run_study(read_study(file), out=tmp_path / name).data
@@ -157,3 +160,50 @@ def test_wood_takes_melanopic_light(study):
 def test_impossible_bands_are_errors(study, bands, spectrum, words):
     with pytest.raises(InputError, match=words):
         study(bands, spectrum=spectrum)
+
+
+SPECTRAL = 'spectral = ["GRID"]'
+
+
+def test_light_of_d65_has_its_colour_and_renders_all_colours(study, tmp_path):
+    """D65 in a grey room: 6504 K, Ra 100, five illuminances equal to the photopic."""
+    grid = next(iter(read_study(tmp_path / "study" / "study.toml").sensors)).label
+    sky = 'daylight = {sky = "d65", sun = "d65"}'
+    data = study("81", sky=sky, output=SPECTRAL.replace("GRID", grid))
+    lit = data["eye_illuminance"].values > 0
+    assert data["colour_temperature"].values[lit] == pytest.approx(6504, abs=12)
+    assert data["duv"].values[lit] == pytest.approx(0.0032, abs=2e-4)
+    assert data["colour_rendering"].values[lit] == pytest.approx(100, abs=0.1)
+    assert data["colour_rendering_red"].values[lit] == pytest.approx(100, abs=0.3)
+    lux = data["eye_illuminance"].values[lit]
+    for edi in data["edi"].values:
+        np.testing.assert_allclose(edi[lit], lux, rtol=5e-3)
+    assert np.isnan(data["colour_temperature"].values[~lit]).all()
+    # Light of one colour has an error of intensity, and none of colour
+    assert np.nanmax(data["colour_temperature_error"].values) < 5
+    names = data["eye"].values
+    error = data["melanopic_edi_error"].sel(sensor=names).values
+    own = data["edi_error"].sel(photoreceptor="melanopic").values
+    np.testing.assert_allclose(own, error, rtol=1e-3, atol=1e-4)
+    out = next(tmp_path.glob("81-*"))
+    head, first, *_ = (out / "spectral.csv").read_text().splitlines()
+    assert head.startswith("eye,time,illuminance [lux],melanopic EDI [lux]")
+    assert len(first.split(",")) == len(head.split(","))
+    assert "within" in data.attrs["band_errors"]
+
+
+def test_two_weightings_have_one_photoreceptor_and_no_colour(study, tmp_path):
+    grid = next(iter(read_study(tmp_path / "study" / "study.toml").sensors)).label
+    output = SPECTRAL.replace("GRID", grid)
+    data = study("melanopic+photopic", output=output)
+    assert data["photoreceptor"].values.tolist() == ["melanopic"]
+    assert "colour_temperature" not in data
+
+
+@pytest.mark.parametrize(
+    ("bands", "grid", "words"),
+    [("RGB", "", "spectral"), ("20", "roof", 'no grid|"roof"')],
+)
+def test_spectra_of_unknown_eyes_are_errors(study, bands, grid, words):
+    with pytest.raises(InputError, match=words):
+        study(bands, output=f'spectral = ["{grid or "x"}"]')

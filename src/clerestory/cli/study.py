@@ -192,7 +192,11 @@ def _verdicts(results: Results) -> Iterator[tuple[str, str]]:
 
 
 def _known(results: Results) -> Iterator[tuple[str, str]]:
-    # Both errors of each figure, and probabilities of standards, with [uncertainty]
+    # Error of the bands; both errors of each figure, and probabilities of standards,
+    # with [uncertainty]
+    if "band_errors" in results.data.attrs:
+        words = results.data.attrs["band_errors"]
+        yield "bands", f"after two materials of this study {words} of those at 1 nm"
     if "known_figure_value" not in results.data:
         return
     for one in known_figures(results.data):

@@ -27,16 +27,22 @@ class Limit:
         require(len(shape) == 2, f"values of shape {shape}; (state, time) expected")
 
 
-def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
+def least_closed(
+    limits: Sequence[Limit], *, at_least: Int[np.ndarray, " time"] | None = None
+) -> Int[np.ndarray, " time"]:
     """Most open state within all limits, or the state of smallest relative excess.
 
     With a limit of DGP, shades are closed no more than glare protection requires.
+    States that are more open than `at_least` are not taken.
 
     >>> dgp = np.array([[0.5, 0.3, 0.6], [0.38, 0.2, 0.5], [0.2, 0.2, 0.45]])
     >>> least_closed([Limit(dgp, 0.40)]).tolist()
     [1, 0, 2]
     """
     excess = _worst(limits)
+    if at_least is not None:
+        number = np.arange(len(excess))[:, None]
+        excess = np.where(number < at_least, np.inf, excess)
     good = excess <= 0
     first, least = good.argmax(axis=0), excess.argmin(axis=0)
     return np.asarray(np.where(good.any(axis=0), first, least))
@@ -62,6 +68,17 @@ def best_states(
     good = excess <= 0
     best = np.where(good, score, -np.inf).argmax(axis=0)
     return np.asarray(np.where(good.any(axis=0), best, excess.argmin(axis=0)))
+
+
+def within_limits(
+    limits: Sequence[Limit], shape: tuple[int, ...]
+) -> Bool[np.ndarray, "state time"]:
+    """Whether each state is within all limits; true without limits.
+
+    >>> within_limits([Limit(np.array([[0.5], [0.3]]), 0.4)], (2, 1)).tolist()
+    [[False], [True]]
+    """
+    return _worst(limits) <= 0 if limits else np.ones(shape, dtype=bool)
 
 
 def when_occupied(

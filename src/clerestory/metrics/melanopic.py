@@ -2,7 +2,8 @@
 
 T. Brown et al., PLoS Biology 20 (3), 2022, recommend at least 250 lux at the eye by
 day. WELL v2, feature L03, asks for four hours of such light that begin by noon, of
-which 136 lux earn one point and 250 lux three, with daylight and electric light.
+which 136 lux earn one point and 250 lux three, with daylight and electric light. UL
+24480 asks for two hours of 500 lux (or a circadian stimulus of 0.3) at the eye by day.
 """
 
 import numpy as np
@@ -14,6 +15,9 @@ from clerestory.metrics.replicates import with_errors
 
 # Recommended melanopic EDI by day [lux]
 MELANOPIC_LUX = 250.0
+
+# Melanopic EDI of WELL v2 L03 for one point [lux]
+LOW_MELANOPIC_LUX = 136.0
 
 # Length of the bright period of WELL v2 L03, and latest hour of its beginning [h]
 _BRIGHT_HOURS, _NOON = 4.0, 12.0
@@ -37,15 +41,18 @@ def melanopic_metrics(
     -------
     `mean_melanopic_edi` over the occupied hours [lux]; `melanopic_autonomy`, the
     fraction of the occupied hours with the target; `melanopic_days`, the fraction of
-    all days with it for four hours that begin by noon; each with `…_error` and
-    `…_components`
+    all days with it for four hours that begin by noon; `low_melanopic_days`, the same
+    with 136 lux; each with `…_error` and `…_components`
     """
     times, units = hourly["time"].values, hourly["illuminance"].attrs
     share = {"units": "1"}
 
     def metrics(lux: Float[np.ndarray, "sensor time"]) -> dict[str, xr.Variable]:
         occupied = lux[:, hours]
-        days = _bright_days(lux, times, step_hours=step_hours, target_lux=target_lux)
+        days, low = (
+            days_of_light(lux, times, step_hours=step_hours, target_lux=level)
+            for level in (target_lux, LOW_MELANOPIC_LUX)
+        )
         return {
             "mean_melanopic_edi": xr.Variable(
                 "sensor", statistic_over_time(occupied, "mean"), units
@@ -54,6 +61,7 @@ def melanopic_metrics(
                 "sensor", share_at(occupied, target_lux), share
             ),
             "melanopic_days": xr.Variable("sensor", days, share),
+            "low_melanopic_days": xr.Variable("sensor", low, share),
         }
 
     found = with_errors(hourly, metrics)
@@ -83,29 +91,48 @@ def bright_days(
     >>> float(bright_days(lux, times)[0])
     1.0
     """
-    share = _bright_days(
+    share = days_of_light(
         illuminance.values, times, step_hours=step_hours, target_lux=target_lux
     )
     return xr.DataArray(share, dims="sensor", attrs={"units": "1"})
 
 
-def _bright_days(
+def days_of_light(
     lux: Float[np.ndarray, "sensor time"],
     times: np.ndarray,
     *,
     step_hours: float,
     target_lux: float,
+    period_hours: float = _BRIGHT_HOURS,
+    first_hour: float = 0.0,
+    last_begin: float = _NOON,
 ) -> Float[np.ndarray, " sensor"]:
-    # Fraction of the days with a bright period of each sensor
-    count = max(1, round(_BRIGHT_HOURS / step_hours))
+    """Fraction of the days on which a target is kept for a period of some hours.
+
+    Parameters
+    ----------
+    lux : illuminance or melanopic EDI [lux]
+    times : centres of the time steps
+    period_hours : length of the period, of consecutive time steps [h]
+    first_hour, last_begin : hours of the day between which the period begins [h]
+
+    Examples
+    --------
+    >>> times = np.arange("2023-06-01T08:30", "2023-06-01T16:30", 60, "datetime64[m]")
+    >>> lux = np.array([[600.0, 600.0] + [0.0] * 6])
+    >>> days_of_light(lux, times, step_hours=1.0, target_lux=500.0, period_hours=2.0)
+    array([1.])
+    """
+    count = max(1, round(period_hours / step_hours))
     half = np.timedelta64(round(1800 * step_hours), "s")
     begins = times.astype("datetime64[s]") - half
     day, number = np.unique(begins.astype("datetime64[D]"), return_inverse=True)
     ends = np.minimum(np.arange(len(times)) + count, len(times)) - 1
     whole = begins[ends] - begins <= 2 * half * (count - 1)
     whole &= np.arange(len(times)) + count <= len(times)
-    by_noon = begins - day[number] <= np.timedelta64(round(3600 * _NOON), "s")
-    may_begin = whole & by_noon & (number == number[ends])
+    since = (begins - day[number]) / np.timedelta64(3600, "s")
+    in_time = (since >= first_hour) & (since <= last_begin)
+    may_begin = whole & in_time & (number == number[ends])
     bright = np.asarray(lux >= target_lux)
     found = _any_by_day(_runs(bright, count) & may_begin, number, len(day))
     return np.asarray(found.mean(axis=-1))

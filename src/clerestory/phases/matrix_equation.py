@@ -111,13 +111,14 @@ class MatrixChain:
 
 def _rows(matrix: Receiving, rows: Int[np.ndarray, " row"]) -> TransferMatrix:
     if isinstance(matrix, TransferMatrix):
-        values = matrix.values[:, rows]
+        values, bands = matrix.values[:, rows], matrix.bands
     elif isinstance(matrix, StoredColumns):
-        values = matrix.views.of(rows, matrix.part)
+        values, bands = matrix.views.of(rows, matrix.part), matrix.views.bands
     else:
         message = "direct-sun coefficients C_ds have pixels as rows; sensors expected"
         raise MatrixError(message)
-    return TransferMatrix(values, sensor_axis(len(rows)), matrix.columns)
+    axis = sensor_axis(len(rows))
+    return TransferMatrix(values, axis, matrix.columns, bands=bands)
 
 
 def window_chain(

@@ -18,6 +18,7 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
+from clerestory.bands import Bands
 from clerestory.brief_repr import brief
 from clerestory.engine.controller import estimate_rows, row_blocks
 from clerestory.engine.effort import Effort, EffortKeywords
@@ -54,6 +55,11 @@ class StoredViews:
         """Numbers of channels and of error components."""
         values, parts = self._block(0).read(slice(0, 1))
         return len(values), 0 if parts is None else len(parts)
+
+    @property
+    def bands(self) -> Bands:
+        """Spectral bands of the channels."""
+        return self._block(0).bands
 
     def cut(self, most: int) -> list[slice]:
         """Return ranges of at most `most` sensors, each within one file."""

@@ -26,6 +26,7 @@ from clerestory.report.main_sections import (
     room_section,
 )
 from clerestory.report.markup import element, join
+from clerestory.report.melanopic_section import melanopic_section
 from clerestory.report.method_table import methods_section
 from clerestory.report.notes_section import notes_section
 from clerestory.report.page_assets import asset, render_page
@@ -87,6 +88,7 @@ def picture_folder(folder: Path, results: Results) -> Path:
 _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("plans", "Plans", plans_section),
     ("year", "Year", year_section),
+    ("melanopic", "Melanopic daylight", melanopic_section),
     ("states", "States of windows", states_section),
     ("film", "A day in pictures", film_section),
     ("pictures", "Pictures", pictures_section),

@@ -56,6 +56,11 @@ class Tint:
             product = product * _means(spectrum, bands, light=light)
         return product
 
+    def spectrum(self) -> Spectrum:
+        """Product of the spectra, every nanometre."""
+        each = [one.at(WAVELENGTH_NM) for one in self.spectra]
+        return Spectrum(WAVELENGTH_NM, np.prod(each, axis=0))
+
 
 def tinted(material: Material, spectra: tuple[Spectrum, ...]) -> Material | None:
     """Return a material whose colour is multiplied by spectra; None if not possible."""

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial import cKDTree
 
 from clerestory.bands import Bands
 from clerestory.checks import within
@@ -77,12 +78,9 @@ def colour_temperature(xyz: Float[np.ndarray, " 3 *batch"]) -> ColourTemperature
     point = np.stack([4 * x / safe, 6 * y / safe])
     mired, locus = _locus()
     flat = point.reshape(2, -1)
-    nearest = np.clip(
-        [np.argmin(np.square(locus - p[:, None]).sum(axis=0)) for p in flat.T],
-        1,
-        len(mired) - 2,
-    )
-    found, distance = _between(flat, mired, locus, nearest.astype(int))
+    _, nearest = _tree().query(flat.T)
+    nearest = np.clip(nearest, 1, len(mired) - 2)
+    found, distance = _between(flat, mired, locus, nearest)
     found, distance = found.reshape(x.shape), distance.reshape(x.shape)
     undefined = ~lit | (np.abs(distance) > 0.05)
     kelvin = np.where(undefined, np.nan, 1e6 / found)
@@ -113,12 +111,28 @@ def _between(
 def _locus() -> tuple[np.ndarray, np.ndarray]:
     # Reciprocal temperatures [1e6/K] and (u, v) of black bodies
     mired = np.linspace(1e6 / _HIGHEST_K, 1e6 / _LOWEST_K, 1981)
-    power = 1 / (
-        WAVELENGTH_NM**5 * np.expm1(_C2 * mired[:, None] / (1e6 * WAVELENGTH_NM))
-    )
+    power = black_body(1e6 / mired)
     x, y, z = (integral(power * spectral_function(name)) for name in "xyz")
     total = x + 15 * y + 3 * z
     return mired, np.stack([4 * x / total, 6 * y / total])
+
+
+@cache
+def _tree() -> cKDTree:
+    return cKDTree(_locus()[1].T)
+
+
+def black_body(
+    kelvin: Float[np.ndarray, " temperature"],
+) -> Float[np.ndarray, "temperature wavelength"]:
+    """Relative spectral power of black bodies, at `WAVELENGTH_NM`.
+
+    >>> warm = black_body(np.array([2856.0]))[0]
+    >>> round(float(warm[180] / warm[70]), 2)  # 560 nm over 450 nm
+    3.02
+    """
+    exponent = _C2 / (kelvin[:, None] * WAVELENGTH_NM)
+    return np.asarray(1 / (WAVELENGTH_NM**5 * np.expm1(exponent)))
 
 
 def daylight_components(

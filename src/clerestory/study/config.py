@@ -18,6 +18,7 @@ from clerestory.escaping import printable
 from clerestory.files import read_text
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
+from clerestory.spectral.band_sets import band_set, gives
 from clerestory.study import config_tables as tables
 from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
@@ -161,6 +162,24 @@ class Study(Table):
             '"by_state" without a window that has several states; tables'
             " [[window.state]], and a method with windows, expected",
         )
+        return self
+
+    @model_validator(mode="after")
+    def _bands_for_the_output(self) -> "Study":
+        bands = band_set(self.scene.bands)
+        require_rule(
+            not self.output.spectral or gives(bands, "melanopic"),
+            f'"spectral" with the bands "{self.scene.bands}"; bands such as'
+            ' "melanopic+photopic" or "20" expected',
+        )
+        for window in self.window:
+            require_rule(
+                not (window.control and window.control.melanopic)
+                or gives(bands, "melanopic"),
+                f'a control rule of window "{window.label}" depends on melanopic light,'
+                f' with the bands "{self.scene.bands}"; bands such as'
+                ' "melanopic+photopic" or "20" expected',
+            )
         return self
 
     @property

@@ -158,6 +158,15 @@ class ControlInputs:
         found = part.illuminance(self.skies, states)
         return np.asarray(found["illuminance"].values)
 
+    def melanopic_edi(
+        self, states: States, grid: str
+    ) -> Float[np.ndarray, "sensor time"]:
+        """Return the melanopic EDI of a grid [lux] for given shade states."""
+        everything = range(len(self.inputs.groups))
+        part = self.matrices.reduced(everything, self.inputs.rows(grid))
+        found = part.melanopic_edi(self.skies, states)
+        return np.asarray(found["illuminance"].values)
+
     def dgp(
         self,
         states: States,

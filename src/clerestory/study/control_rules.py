@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.control.bright_period import bright_states
 from clerestory.control.control_rule import Situation, apply_rule, load_rule
 from clerestory.control.profile_angle import blocking_states
 from clerestory.control.schedule import states_at
@@ -18,6 +19,7 @@ from clerestory.control.state_choice import Limit, best_states, least_closed
 from clerestory.control.threshold import staged_states, threshold_states
 from clerestory.errors import InputError
 from clerestory.glare.dgp import simplified_dgp
+from clerestory.metrics.melanopic import MELANOPIC_LUX
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.window_tables import ControlTable
 
@@ -53,6 +55,11 @@ class Case:
         """Illuminance [lux] of a grid for each shade state of this group."""
         states = map(self.with_state, range(self.count))
         return [self.signals.illuminance(state, grid) for state in states]
+
+    def melanopic_edi(self, grid: str) -> list[Float[np.ndarray, "sensor time"]]:
+        """Melanopic EDI [lux] of a grid for each shade state of this group."""
+        states = map(self.with_state, range(self.count))
+        return [self.signals.melanopic_edi(state, grid) for state in states]
 
 
 def fixed(case: Case) -> _StateTimes:
@@ -136,6 +143,26 @@ def by_score(case: Case) -> _StateTimes:
     return best_states(score, limits)
 
 
+def by_bright_period(case: Case) -> _StateTimes:
+    """Return the states that give melanopic light for four hours by noon."""
+    control, signals = case.control, case.signals
+    edi = np.stack([each.mean(axis=0) for each in case.melanopic_edi(control.grid)])
+    group = signals.inputs.groups[case.number]
+    rest = np.full(len(signals.times), group.number_of(control.state))
+    limits = []
+    if control.dgp_below is not None:
+        limits.append(Limit(_glare(case), control.dgp_below))
+        rest = least_closed(limits, at_least=rest)
+    return bright_states(
+        edi,
+        signals.times,
+        target=control.target_lux or MELANOPIC_LUX,
+        afterwards=rest,
+        limits=limits,
+        step_hours=signals.step_minutes / 60,
+    )
+
+
 def by_schedule(case: Case) -> _StateTimes:
     """Return the shade states of a schedule file; a line applies until the next one."""
     group = case.signals.inputs.groups[case.number]
@@ -179,12 +206,16 @@ def situation(case: Case) -> Situation:
 
 
 def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
-    # DGP and mean illuminance of each grid, for every shade state, if in `needs`
+    # DGP, mean illuminance and melanopic EDI of each grid, by state, if in `needs`
     found, needs = {}, case.control.needs
     if "illuminance" in needs:
         for grid in case.signals.inputs.grids:
             lux = case.illuminance(grid)
             found[f"illuminance {grid}"] = np.stack([e.mean(axis=0) for e in lux])
+    if "melanopic EDI" in needs:
+        for grid in case.signals.inputs.grids:
+            edi = case.melanopic_edi(grid)
+            found[f"melanopic EDI {grid}"] = np.stack([e.mean(axis=0) for e in edi])
     if "glare" in needs:
         found["dgp"] = _glare(case)
     return found
@@ -201,6 +232,7 @@ OUTSIDE: dict[str, Callable[[Case], _StateTimes]] = {
 INSIDE: dict[str, Callable[[Case], _StateTimes]] = {
     "glare": by_glare,
     "best": by_score,
+    "melanopic": by_bright_period,
     "python": by_function,
 }
 
@@ -235,6 +267,10 @@ def _quantity(case: Case) -> Float[np.ndarray, " time"]:
             opened = [np.zeros_like(state) for state in case.others]
             lux = signals.illuminance(opened, case.control.grid)
             return np.asarray(lux.mean(axis=0))
+        case "melanopic EDI":
+            opened = [np.zeros_like(state) for state in case.others]
+            edi = signals.melanopic_edi(opened, case.control.grid)
+            return np.asarray(edi.mean(axis=0))
 
 
 def _glare(case: Case, *, until: float = -np.inf) -> Float[np.ndarray, "state time"]:

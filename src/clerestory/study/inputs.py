@@ -11,6 +11,7 @@ from clerestory.bands import RGB
 from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
+from clerestory.directions import unit
 from clerestory.errors import InputError
 from clerestory.image.camera import Camera
 from clerestory.library.bsdf_source import read_bsdf
@@ -23,12 +24,14 @@ from clerestory.scene.glazing import without_glazing
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.sensors import Sensors, read_sensors
+from clerestory.scene.view import View
 from clerestory.sky.clear_sky import clear_sky_weather
 from clerestory.sky.quality_checks import warn_of_clock
 from clerestory.sky.station_file import read_with
 from clerestory.sky.weather import Weather
 from clerestory.sky.weather_formats import read_weather
 from clerestory.sky.weather_selection import select_days
+from clerestory.spectra import Spectrum
 from clerestory.spectral.band_sets import band_set
 from clerestory.spectral.spectrum_file import read_spectrum
 from clerestory.study.config import Study
@@ -36,13 +39,16 @@ from clerestory.study.config_tables import SceneTable, ViewTable, WeatherTable
 from clerestory.study.view_grid_positions import ViewGrid, read_view_grid
 from clerestory.study.window_groups import WindowGroup, read_window_groups
 
+# Vertical component of the direction from which +y is up in fisheye views
+_LEVEL = 0.9999
+
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
     """Content of the input files of a study; `scene` is the room without its windows.
 
     `grids` has sensors by grid name; `cameras` and `view_grids` have the order of the
-    study.
+    study. `spectra` are those of materials and glazings.
     """
 
     scene: Scene
@@ -51,6 +57,7 @@ class Inputs:
     cameras: tuple[Camera, ...]
     weather: Weather
     view_grids: tuple[ViewGrid, ...] = ()
+    spectra: tuple[Spectrum, ...] = ()
 
     __repr__ = brief
 
@@ -91,7 +98,7 @@ def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
     for group in groups:
         if group.control is not None and group.control.file is not None:
             group.schedule()
-    scene = recent.value(
+    scene, spectra = recent.value(
         ("scene", study.scene.model_dump_json()),
         lambda: _scene(study.scene),
     )
@@ -114,6 +121,7 @@ def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
             lambda: study_weather(study),
         ),
         view_grids=tuple(place(table, metres=metres) for table in study.view_grid),
+        spectra=(*spectra, *map(read_spectrum, _glazing_spectra(study))),
     )
 
 
@@ -121,19 +129,43 @@ def _layer(path: Path, *, recent: RecentValues) -> Bsdf:
     return recent.value(("layer", path), lambda: read_bsdf(path))
 
 
-def _scene(table: SceneTable) -> Scene:
-    # The scene without panes that windows replace, in the bands of the study
+def _scene(table: SceneTable) -> tuple[Scene, tuple[Spectrum, ...]]:
+    # The scene without panes that windows replace, in the bands of the study, and the
+    # spectra of its materials
     bands, whole = band_set(table.bands), read_rad(*table.files)
     scene = scaled(without_glazing(whole, table.glazing), table.metres)
     if bands == RGB:
-        return scene
+        return scene, ()
     given = {one.material: read_spectrum(one.file) for one in table.spectrum}
-    return in_bands(scene, bands, spectra=given)
+    tints = [
+        tint.spectrum()
+        for name, material in scene.materials.items()
+        if (tint := getattr(material, "tint", None)) and name not in given
+    ]
+    return in_bands(scene, bands, spectra=given), (*given.values(), *tints)
+
+
+def _glazing_spectra(study: Study) -> list[Path]:
+    # Files of the transmittances of windows, each once
+    tables = [state for window in study.window for state in window.states()]
+    files = [table.spectrum for table in tables if table.spectrum is not None]
+    return list(dict.fromkeys(files))
 
 
 def _camera(table: ViewTable, metres: float) -> Camera:
-    view = scaled(read_view(table.file), metres)
+    view = scaled(_view(table), metres)
     return Camera(view, *view.size_for(table.resolution))
+
+
+def _view(table: ViewTable) -> View:
+    # That of the file, or a fisheye view
+    if table.file is not None:
+        return read_view(table.file)
+    direction = unit(np.array(table.direction, dtype=float))
+    level = abs(direction[2]) < _LEVEL
+    up = np.array([0.0, 0, 1] if level else [0.0, 1, 0])
+    place = np.array(table.position, dtype=float)
+    return View("angular", place, direction, up, horizontal=180, vertical=180)
 
 
 def study_weather(study: Study) -> Weather:

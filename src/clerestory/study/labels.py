@@ -10,6 +10,8 @@ from clerestory.metrics.melanopic import melanopic_metrics
 from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.metrics.space import DIRECT
 from clerestory.metrics.spatial_metrics import hours_above
+from clerestory.spectral.band_errors import band_errors
+from clerestory.spectral.band_sets import gives
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing
 from clerestory.study.inputs import Inputs
@@ -72,7 +74,16 @@ def label_results(
         step_minutes=inputs.weather.step_minutes,
         rotation_deg=study.sky.rotation_deg,
         study=study.to_json(),
+        **_band_errors(inputs),
     )
+
+
+def _band_errors(inputs: Inputs) -> dict[str, str]:
+    # Error of the bands in words; nothing for RGB
+    bands = inputs.scene.bands
+    if not gives(bands, "melanopic"):
+        return {}
+    return {"band_errors": str(band_errors(bands, inputs.spectra))}
 
 
 def melanopic_results(

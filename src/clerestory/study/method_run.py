@@ -47,10 +47,8 @@ from clerestory.study.illuminance_by_state import every_state, results_by_state
 from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.labels import (
-    label_results,
-    melanopic_results,
-)
+from clerestory.study.labels import label_results, melanopic_results
+from clerestory.study.light_spectra import light_spectra
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
@@ -201,6 +199,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
     with log.phase("metrics"):
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
         parts += _melanopic(matrices, signals, acts.states)
+        parts.append(light_spectra(signals, acts.states, hourly["illuminance"]))
         parts.append(results_by_state(signals))
         data = label_results(hourly, parts, signals, acts)
     if study.compliance is not None:

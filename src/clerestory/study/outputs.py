@@ -19,6 +19,7 @@ from clerestory.metrics.compliance import Quantity
 from clerestory.study.compliance_table import assessments_of
 from clerestory.study.config import Study
 from clerestory.study.results import Results
+from clerestory.study.spectral_table import write_spectra
 from clerestory.study.view_grid_outputs import (
     view_grids,
     write_grid_dgp,
@@ -55,6 +56,8 @@ _MELANOPIC = (
     ("mean_melanopic_edi_error", "mean melanopic EDI, standard error [lux]", 1),
     ("melanopic_autonomy", "melanopic autonomy [%]", 100),
     ("melanopic_autonomy_error", "melanopic autonomy, standard error [%]", 100),
+    ("low_melanopic_days", "days of 136 lux melanopic by noon [%]", 100),
+    ("low_melanopic_days_error", "days of 136 lux, standard error [%]", 100),
     ("melanopic_days", "days of melanopic light by noon [%]", 100),
     ("melanopic_days_error", "days of melanopic light, standard error [%]", 100),
 )
@@ -87,6 +90,8 @@ def write_tables(study: Study, results: Results, out: Path) -> None:
         for grid, stem in file_stems(view_grids(results)).items():
             write_grid_views(results, out / f"glare_{stem}.csv", grid=grid)
             write_grid_dgp(results, out / f"dgp_{stem}.csv", grid=grid)
+    if study.output.csv and "edi" in results.data:
+        write_spectra(results, out / "spectral.csv")
     for grid, stem in file_stems(results.grids()).items():
         if study.output.csv:
             write_hourly(results, out / f"illuminance_{stem}.csv", grid=grid)

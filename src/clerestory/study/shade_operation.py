@@ -15,7 +15,7 @@ from clerestory.control.state_choice import when_occupied
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.control_rules import INSIDE, OUTSIDE, Case
 from clerestory.study.window_groups import WindowGroup
-from clerestory.study.window_tables import ControlTable
+from clerestory.study.window_tables import INTERIOR, ControlTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ def operate(signals: ControlInputs) -> ShadeOperation:
 def _looks_inside(group: WindowGroup) -> bool:
     control = group.control
     return control is not None and (
-        control.rule in INSIDE or control.quantity == "illuminance"
+        control.rule in INSIDE or control.quantity in INTERIOR
     )
 
 

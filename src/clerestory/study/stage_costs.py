@@ -34,7 +34,7 @@ from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import needs_direct
 from clerestory.study.view_grid_points import USUAL_LEVEL
 from clerestory.study.view_matrices import ViewMatrices
-from clerestory.study.window_tables import ControlTable
+from clerestory.study.window_tables import INTERIOR, ControlTable
 
 # Stages of a run, in order: the keys of `seconds` in run.json
 STAGES = (
@@ -185,7 +185,7 @@ class StageWork:
                 continue
             if rule.rule == "LM-83":
                 seconds += states * direct
-            elif rule.grid or rule.quantity == "illuminance" or rule.needs:
+            elif rule.grid or rule.quantity in INTERIOR or rule.needs:
                 seconds += states * product
             glare = rule.rule == "glare" and not rule.grid
             if glare or rule.dgp_below is not None or "glare" in rule.needs:

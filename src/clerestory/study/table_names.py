@@ -24,6 +24,7 @@ def require_names(study: "Study") -> None:
             _require_views(study, window)
     for table in study.view_grid:
         _require(f'view grid "{table.label}"', "grid", [table.grid], grids)
+    _require("[output] spectral", "grid", study.output.spectral, grids)
     _require_energy_names(study)
     for space in study.space:
         _require(f'space "{space.name}"', "grid", space.grids, grids)

@@ -32,6 +32,7 @@ RuleName = Literal[
     "threshold",
     "glare",
     "best",
+    "melanopic",
     "LM-83",
     "schedule",
     "python",
@@ -44,8 +45,12 @@ Quantity = Literal[
     "diffuse horizontal",
     "direct normal",
     "illuminance",
+    "melanopic EDI",
 ]
-Need = Literal["illuminance", "glare"]
+Need = Literal["illuminance", "melanopic EDI", "glare"]
+
+# Quantities that depend on the states of other groups
+INTERIOR = ("illuminance", "melanopic EDI")
 
 # Required and optional keys of each rule
 _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -63,6 +68,10 @@ _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "best": (
         ("grid",),
         ("target_lux", "lux_below", "dgp_below", "views", "view_grids"),
+    ),
+    "melanopic": (
+        ("grid",),
+        ("target_lux", "dgp_below", "views", "view_grids", "state"),
     ),
     "LM-83": ((), ("grid", "sun_lux", "most_sensors")),
     "schedule": (("file",), ()),
@@ -187,8 +196,15 @@ class ControlTable(Table):
         description='"FILE.py:FUNCTION"',
     )
     needs: list[Need] = Field(
-        default_factory=list, description='a list of "illuminance" and "glare"'
+        default_factory=list,
+        description='a list of "illuminance", "melanopic EDI" and "glare"',
     )
+
+    @property
+    def melanopic(self) -> bool:
+        """Whether the rule depends on melanopic light."""
+        wanted = {self.rule, self.quantity, *self.needs}
+        return bool(wanted & {"melanopic", "melanopic EDI"})
 
     @model_validator(mode="after")
     def _keys_of_the_rule(self) -> "ControlTable":
@@ -213,8 +229,8 @@ class ControlTable(Table):
             ' that of "close_above", expected',
         )
         require_rule(
-            self.quantity != "illuminance" or self.grid,
-            'quantity "illuminance" without "grid"; the name of a grid expected',
+            self.quantity not in INTERIOR or self.grid,
+            f'quantity "{self.quantity}" without "grid"; the name of a grid expected',
         )
         falls = itertools.starmap(operator.gt, itertools.pairwise(self.angles_deg))
         expected = "each angle below the one before expected"
