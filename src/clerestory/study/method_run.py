@@ -50,6 +50,7 @@ from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.run_log import RunLog
+from clerestory.study.sensitivity_results import sensitivity_results
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
@@ -180,6 +181,7 @@ def _simulate(
     with log.phase("metrics"):
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
         parts += _melanopic(matrices, signals, acts.states)
+        parts.append(sensitivity_results(signals, acts.states, hourly))
         parts.append(light_spectra(signals, acts.states, hourly["illuminance"]))
         parts.append(results_by_state(signals))
         if signals.building is not None:
