@@ -69,7 +69,9 @@ def table(given: argparse.Namespace, folder: Path) -> str:
     }
     inputs.write_text(json.dumps(values))
     name, ours, theirs = given.recipe, folder / "ours", folder / "theirs"
-    words = ["recipe", name, str(inputs), "--folder", str(ours), "--workers", "2"]
+    own = folder / "own.json"
+    own.write_text(json.dumps(values | {"radiance-parameters": given.own_parameters}))
+    words = ["recipe", name, str(own), "--folder", str(ours), "--workers", "2"]
     seconds = spent([sys.executable, "-c", _OURS, *words, "--quiet"])
     theirs.mkdir()
     words = ["run", name, str(inputs), "-p", str(theirs), "-w", "2"]
@@ -108,8 +110,10 @@ def main() -> None:
     parser.add_argument("--recipe", default="annual-daylight-enhanced")
     parser.add_argument("--grids", default="*", help="filter of the grids")
     parser.add_argument("--parameters", default="-ab 4 -ad 5000 -lw 2e-05 -dr 0")
+    parser.add_argument("--own-parameters", help="of ours; default: the same")
     parser.add_argument("--write", type=Path)
     given = parser.parse_args()
+    given.own_parameters = given.own_parameters or given.parameters
     with tempfile.TemporaryDirectory() as folder:
         text = table(given, Path(folder))
     if given.write:

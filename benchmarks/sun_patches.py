@@ -72,19 +72,19 @@ def slat(facets: int) -> Case:
     """Return the reflection of a flat or curved glossy slat."""
     truth, variance = patches.slat_light(facets)
     scene = patches.slat(facets)
-    return sensors(scene, patches.SENSOR, patches.DOWN, truth, 8192, variance)
+    return sensors(scene, patches.SENSOR, patches.DOWN, truth, 32768, variance)
 
 
 def prism() -> Case:
     """Return the patch behind a prism."""
     corners, truth = caustics.prism_light()
-    return sensors(caustics.prism(), corners.mean(axis=0), UPWARDS, truth, 8192)
+    return sensors(caustics.prism(), corners.mean(axis=0), UPWARDS, truth, 16384)
 
 
 def mirror_ball() -> Case:
     """Return the reflection of a polished ball at 40°."""
     place, normal, truth = caustics.mirror_light(1.0, 40.0)
-    return sensors(caustics.mirror_ball(), place, normal, truth, 8192)
+    return sensors(caustics.mirror_ball(), place, normal, truth, 65536)
 
 
 def lens() -> Case:

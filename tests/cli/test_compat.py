@@ -12,7 +12,7 @@ from clerestory.compat.programs import PROGRAMS, install_programs, run_program
 from clerestory.compat.streams import Streams
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
-from clerestory.image.picture_files import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.matrix.radiance_format import read_matrix
 
 SKY = """#@rfluxmtx u=+Y h=u
@@ -131,7 +131,7 @@ def test_the_command_line_passes_options_and_gives_the_exit_status(call):
 def test_scripts_in_a_folder_run_the_programs(field):
     """A shell finds gendaymtx and rmtxop in the folder, and pipes between them."""
     paths = install_programs(field / "bin", (*PROGRAMS, "evalglare"))
-    assert len(paths) == 6
+    assert len(paths) == 7
     assert all(path.stat().st_mode & stat.S_IXUSR for path in paths)
     (field / "a.mtx").write_text("#?RADIANCE\nNCOLS=2\nNCOMP=1\nFORMAT=ascii\n\n1 2\n")
     done = subprocess.run(
@@ -159,3 +159,18 @@ def test_evalglare_takes_its_options(call, tmp_path):
     assert found.out == call("glare", "-d", *words, picture).out
     assert "dgp" in found.out
     assert call("compat", "evalglare", "-R", picture).status == 2
+
+
+def test_pictures_beyond_the_rows_of_the_next_factor_are_not_read(tmp_path):
+    """Scripts make picture 145 from none, for the 145 patches 0 to 144."""
+    for number, value in enumerate((1.0, 2.0)):
+        picture = Picture(np.full((2, 3, 3), value, np.float32))
+        write_picture(picture, tmp_path / f"v{number:03d}.hdr")
+    (tmp_path / "v002.hdr").write_text("#?RADIANCE\n\n")
+    text = "#?RADIANCE\nNROWS=2\nNCOLS=1\nNCOMP=3\nFORMAT=ascii\n\n1 1 1 10 10 10\n"
+    (tmp_path / "sky.vec").write_text(text)
+    sink = io.BytesIO()
+    words = [str(tmp_path / "v%03d.hdr"), str(tmp_path / "sky.vec")]
+    run_program("dctimestep", words, Streams(sink=sink))
+    (tmp_path / "out.hdr").write_bytes(sink.getvalue())
+    assert read_picture(tmp_path / "out.hdr").radiance == pytest.approx(21, rel=0.01)

@@ -84,6 +84,7 @@ from clerestory.study.outputs import (
     write_metrics,
 )
 from clerestory.study.results import Results, read_results, save_results
+from clerestory.study.spectral_table import write_spectra
 from clerestory.study.study_files import study_text, window_text
 from clerestory.study.title_block import TitleBlock
 from clerestory.study.unknown_quantities import UnknownQuantities
@@ -537,6 +538,24 @@ def test_view_grids_are_tables(folder):
             assert len(head) == len(row) == width
 
 
+def test_spectra_of_eyes_are_tables(folder):
+    ones = np.ones((1, len(ALL), 2))
+    axes = ("photoreceptor", "eye", "time")
+    times = np.datetime64("2023-06-21T10:30", "ns") + np.arange(2) * np.timedelta64(
+        1, "h"
+    )
+    data = xr.Dataset(
+        {
+            "edi": (axes, ones),
+            "edi_error": (axes, ones),
+            "eye_illuminance": (axes[1:], ones[0]),
+        },
+        coords={"photoreceptor": ["melanopic"], "eye": ALL, "time": times},
+    )
+    write_spectra(Results(data), folder / "spectra.csv")
+    no_formulas(folder / "spectra.csv")
+
+
 def test_results_hold_any_name(folder):
     """In coordinates and attributes of results.nc, and in run.json."""
     _results(folder)
@@ -781,6 +800,7 @@ WRITERS = {
     "study.outputs.write_metrics": test_results_of_hostile_grids_are_tables,
     "study.results.save_results": test_results_hold_any_name,
     "study.study_files.write_sensors": "numbers",
+    "study.spectral_table.write_spectra": test_spectra_of_eyes_are_tables,
     "study.variant_outputs.write_variants": test_figures_of_variants_hold_any_name,
     "study.variant_run.run_variants": "hashes, and names in JSON",
     "study.vtkjs.write_vtkjs": test_scenes_for_viewers_hold_any_name,

@@ -3,6 +3,8 @@
 The sun has unit irradiance across its beam.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from caustic_scenes import BLACK, SUN_DEG, lit
 from fresnel import glazed
@@ -67,13 +69,13 @@ def place_in(corners, along, across):
     return corners.mean(axis=0) + (along * first + across * second) / 2
 
 
-def slat(facets):
+def slat(facets, rough=METAL.roughness):
     """A slat with an arc of flat facets as its cross-section."""
     surfaces = [quad(*corners, material="slat") for corners in _facets(facets)]
-    return lit(tuple(surfaces), SOUTH_SUN, METAL)
+    return lit(tuple(surfaces), SOUTH_SUN, replace(METAL, roughness=rough))
 
 
-def slat_light(facets, cut=(40, 400), rings=6):
+def slat_light(facets, rough=METAL.roughness, *, cut=(40, 400), rings=6):
     """Irradiance of the sensor, and the variance of one path without sampling of slats.
 
     By quadrature over the facets and the sun's disc. Paths in cosine-distributed
@@ -103,9 +105,9 @@ def slat_light(facets, cut=(40, 400), rings=6):
             upright = both @ normal
             square = np.sum(both**2, axis=1)
             slope2 = square / upright**2 - 1
-            brdf = np.exp(-slope2 / METAL.roughness**2) * square / upright**4
+            brdf = np.exp(-slope2 / rough**2) * square / upright**4
             radiance += brdf * (sun @ normal) / len(suns)
-        radiance *= METAL.reflectance[0] / (np.pi * METAL.roughness**2)
+        radiance *= METAL.reflectance[0] / (np.pi * rough**2)
         total += area * np.mean(radiance * cosines)
         square_mean += np.pi * area * np.mean(radiance**2 * cosines)
     return total, square_mean - total**2

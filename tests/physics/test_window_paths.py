@@ -35,6 +35,7 @@ from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.window_paths import picture_window_paths
 from clerestory.scene.model import Glass, Plastic, Scene
 from clerestory.scene.view import View, solid_angles
+from clerestory.scene.window_zones import fills_rectangle
 from clerestory.spectral.band_sets import wavelength_bands
 
 KLEMS = klems("full")
@@ -318,6 +319,21 @@ def two_windows(reflectance=0.5):
     west = window(quad((0, 0, 1), (0, 3, 1), (0, 3, 3), (0, 0, 3)), name="west")
     walls = tuple(w for n, w in enumerate(scene.surfaces) if n != 2)
     return Scene(scene.materials, (*walls, sill, side)), [south, west]
+
+
+def test_beams_cross_a_window_by_crossing_its_rectangle():
+    """Only if it fills the rectangle, and no window is between it and the room."""
+    whole = window(quad((0, 0, 0), (0, 0, 3), (4, 0, 3), (4, 0, 0)))
+    beside = window(quad((4, 0, 0), (4, 0, 3), (6, 0, 3), (6, 0, 0)))
+    triangle = window(quad((0, 0, 0), (0, 0, 3), (4, 0, 0)))
+    both = window(*whole.polygons, *beside.polygons)
+    before = window(quad((1, 1, 1), (1, 1, 2), (2, 1, 2), (2, 1, 1)))
+    assert fills_rectangle(0, [whole])
+    assert fills_rectangle(0, [both])
+    assert fills_rectangle(1, [whole, beside])
+    assert not fills_rectangle(0, [triangle])
+    assert not fills_rectangle(0, [whole, before])
+    assert fills_rectangle(1, [whole, before])
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=["south", "west"])
@@ -616,3 +632,26 @@ def test_rough_plastic_reflects_the_sun(device):
         {"wall": replace(grey(0.4), specularity=0.05, roughness=0.2)}, room.surfaces
     )
     against_pairs(glossy, [south], blind("full"), device=device)
+
+
+@pytest.mark.parametrize("kind", ["Klems", "rank 4"])
+def test_lambertian_surfaces_reflect_what_paths_find(device, kind):
+    """Paths are traced where a material has a highlight, here one of 10⁻⁶."""
+    scene, windows = two_windows((0.7, 0.4, 0.1))
+    screen = quad((1.5, 1, 0), (2.5, 1, 0), (2.5, 1, 2), (1.5, 1, 2))
+    found = []
+    for specularity in (0.0, 1e-6):
+        matt = replace(scene.materials["wall"], specularity=specularity, roughness=0.2)
+        room = Scene({"wall": matt}, (*scene.surfaces, screen))
+        paths = picture_window_paths(
+            room, windows, camera(size=48), samples=16, device=device
+        )
+        suns = np.array([towards(200, 30), towards(235, 22)])
+        lit = in_sunlight(paths, "south", BSDFS[kind](), suns=suns, peak=True)
+        found.append(lit.received(csc_array(np.diag([500.0, 800.0])), np.eye(3)))
+    even, traced = (each.batches for each in found)
+    assert (even > 0.02 * even.max()).mean() > 0.1
+    # Single points at the edges of shadows may be lit or not by rounding
+    equal = np.isclose(even, traced, rtol=1e-4, atol=1e-5 * float(even.max()))
+    assert equal.mean() > 0.999
+    np.testing.assert_allclose(even.sum(axis=2), traced.sum(axis=2), rtol=1e-3)

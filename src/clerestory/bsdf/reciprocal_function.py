@@ -14,14 +14,13 @@ from jaxtyping import Float
 from clerestory.array_types import (
     Directions,
     ExitIncident,
-    Indices,
     Points2,
     Values,
     Vector,
 )
 from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import opposite_patches
-from clerestory.bsdf.scattering_function import ScatteringFunction
+from clerestory.bsdf.scattering_function import CellValues, ScatteringFunction
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
@@ -65,8 +64,8 @@ class ReciprocalFunction(ScatteringFunction):
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
         return self.forward.resolution(leaving, incident)
 
-    def cell(self, incident: Directions, leaving: Directions) -> Indices:
-        return self.forward.cell(leaving, incident)
+    def cell_values(self, incident: Directions, leaving: Directions) -> CellValues:
+        return self.forward.cell_values(leaving, incident)
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         table = self.forward.average(incidents, exits)

@@ -6,7 +6,7 @@ name of the function determines the sides of incidence and exit.
 """
 
 from abc import ABC, abstractmethod
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -59,6 +59,21 @@ def pairs_by_function(
     }
 
 
+class CellValues(NamedTuple):
+    """Cells, or pairs of patches, to which direction pairs belong.
+
+    Attributes
+    ----------
+    value : BSDF [1/sr]
+    size : projected solid angle of the exit cell [sr]
+    number : number of the cell
+    """
+
+    value: Values
+    size: Values
+    number: Indices
+
+
 class ScatteringFunction(ABC):
     """One scattering function of a layer, in one channel."""
 
@@ -86,8 +101,8 @@ class ScatteringFunction(ABC):
         """Projected solid angle of the exit cell of each direction pair [sr]."""
 
     @abstractmethod
-    def cell(self, incident: Directions, leaving: Directions) -> Indices:
-        """Number of the cell, or of the pair of patches, of each direction pair."""
+    def cell_values(self, incident: Directions, leaving: Directions) -> CellValues:
+        """Value, size and number of the cell of each direction pair."""
 
     @abstractmethod
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:

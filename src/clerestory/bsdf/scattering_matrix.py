@@ -16,7 +16,7 @@ from clerestory.array_types import Directions, ExitIncident, Indices, Points2, V
 from clerestory.brief_repr import brief
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.patch_overlap import opposite_patches, patches_in_patches
-from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
+from clerestory.bsdf.scattering_function import CHUNK, CellValues, ScatteringFunction
 from clerestory.checks import not_negative, require
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.patch_lookup import find_patches
@@ -94,11 +94,15 @@ class ScatteringMatrix(ScatteringFunction):
         size = self.exits.projected_solid_angles()[patch]
         return np.asarray(size.reshape(leaving.shape[:-1]))
 
-    def cell(self, incident: Directions, leaving: Directions) -> Indices:
+    def cell_values(self, incident: Directions, leaving: Directions) -> CellValues:
         leaving, incident = np.broadcast_arrays(leaving, incident)
         patch = find_patches(self.exits, leaving.reshape(-1, 3)).astype(np.int64)
         patch = patch * len(self.incidents) + self._enter(incident).ravel()
-        return np.asarray(patch.reshape(leaving.shape[:-1]))
+        return CellValues(
+            self.evaluate(incident, leaving),
+            self.resolution(incident, leaving),
+            patch.reshape(leaving.shape[:-1]),
+        )
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         if exits.matches(self.exits) and incidents.matches(self.incidents):

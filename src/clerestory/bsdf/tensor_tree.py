@@ -31,7 +31,7 @@ from clerestory.array_types import (
 from clerestory.brief_repr import brief
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.reciprocal_function import ReciprocalFunction
-from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
+from clerestory.bsdf.scattering_function import CHUNK, CellValues, ScatteringFunction
 from clerestory.bsdf.tree_average import average_tree
 from clerestory.bsdf.tree_lookup import (
     Slices,
@@ -103,16 +103,22 @@ class ScatteringTree(ScatteringFunction):
             leaving,
         )
 
-    def cell(self, incident: Directions, leaving: Directions) -> Indices:
-        """Number of the cell of each direction pair: the Morton code of its start."""
+    def cell_values(self, incident: Directions, leaving: Directions) -> CellValues:
+        """Value, size and number: the Morton code of the start of the cell."""
+        found = [(np.zeros(0), np.zeros(0))]
 
         def start(place: tuple[_Places, ...]) -> Indices:
-            _, level = look_up(self.slots, place, depth=self.depth)
+            value, level = look_up(self.slots, place, depth=self.depth)
+            found.append((value.astype(float), np.pi * 0.25**level))
             unused = self.rank * (self.depth - level.astype(np.int64))
             path = morton_codes(place, self.depth).astype(np.int64)
             return np.asarray(path >> unused << unused)
 
-        return self._over_pairs(start, incident, leaving, kind=np.int64)
+        number = self._over_pairs(start, incident, leaving, kind=np.int64)
+        value, size = (np.concatenate(part) for part in zip(*found, strict=True))
+        return CellValues(
+            value.reshape(number.shape), size.reshape(number.shape), number
+        )
 
     def hemispherical(self, incident: Directions) -> Values:
         x, y, _ = np.reshape(np.asarray(incident, dtype=float), (-1, 3)).T

@@ -61,12 +61,19 @@ def is_run(path: Path) -> bool:
 
 
 def run_names(paths: Sequence[Path]) -> list[str]:
-    """Return the names of runs: those of their folders, with parents if needed."""
-    folders = [path.parent if path.suffix == ".nc" else path for path in paths]
-    names = [folder.resolve().name for folder in folders]
+    """Return the names of runs: of their folders, or of the folders around these.
+
+    >>> run_names([Path("anna/results"), Path("ben/results/results.nc")])
+    ['anna', 'ben']
+    """
+    folders = [(p.parent if p.suffix == ".nc" else p).resolve() for p in paths]
+    names = [folder.name for folder in folders]
+    parents = [folder.parent.name for folder in folders]
     if len(set(names)) == len(names):
         return names
-    return [f"{f.resolve().parent.name}/{f.resolve().name}" for f in folders]
+    if len(set(names)) == 1 and len(set(parents)) == len(parents):
+        return parents
+    return [f"{around}/{name}" for around, name in zip(parents, names, strict=True)]
 
 
 def _title(measured: Path) -> str:

@@ -42,14 +42,16 @@ _ITEM = {"a": "f8", "f": "f4", "d": "f8"}
 def dctimestep(words: Sequence[str], streams: Streams) -> None:
     """Run dctimestep: C S, or V T D S, for all time steps of S."""
     call = _parse_timestep(words)
-    pictures = "%" in call.factors[0]
-    first, like = (
-        _module("compat.picture_products").read_picture_set(Path(call.factors[0]))
-        if pictures
-        else (_read(call.factors[0], streams)[0], None)
-    )
     others = [_read(name, streams)[0] for name in call.factors[1:]]
-    product = reduce(matmul, _fitting([first, *others, _sky(call, others, streams)]))
+    others.append(_sky(call, others, streams))
+    name, like = call.factors[0], None
+    if "%" in name:
+        # As many pictures as there are rows: others may follow, as in the tutorial
+        read = _module("compat.picture_products").read_picture_set
+        first, like = read(Path(name), most=others[0].rows.size)
+    else:
+        first, _ = _read(name, streams)
+    product = reduce(matmul, _fitting([first, *others]))
     if like is not None:
         write = _module("compat.picture_products").write_pictures
         write(product, like, call.output, streams)

@@ -15,7 +15,11 @@ _SLACK, _FACING = 1e-3, -1e-3
 class BeamOrder:
     """Numbers from which the beam of a sample point and sun follows.
 
-    Seed, points per batch, batches, beams per batch, and beams from point to point.
+    Attributes
+    ----------
+    seed, points, batches : seed, points per batch, and batches
+    own, apart : beams per batch, and beams from one point to the next
+    binary : whether all numbers of points, batches and beams are powers of two
     """
 
     seed: mi.UInt32
@@ -23,35 +27,75 @@ class BeamOrder:
     batches: mi.UInt32
     own: mi.UInt32
     apart: mi.UInt32
+    binary: bool
+
+    @classmethod
+    def of(cls, *, seed: int, points: int, batches: int, beams: int) -> "BeamOrder":
+        """Return the order of the beams of each sun."""
+        own = beams // batches
+        counts = points, batches, own
+        numbers = (seed, *counts, max(1, own // points))
+        return cls(
+            *(dr.opaque(mi.UInt32, number) for number in numbers),
+            binary=all(count & (count - 1) == 0 for count in counts),
+        )
+
+    def divided(self, value, count: mi.UInt32) -> tuple[mi.UInt32, mi.UInt32]:
+        """Return quotient and remainder by one of the numbers."""
+        # Divisions of integers take most of the time of a kernel on CPUs
+        if self.binary:
+            return value >> dr.tzcnt(count), value & (count - 1)
+        return value // count, value % count
 
 
 def chosen_beam(place, number, key, order: BeamOrder):
-    """Return the index of the beam of a sample point and sun.
+    """Return the index of the beam of a sample point and sun; see `beam_of`."""
+    slot, index = order.divided(place, order.points)
+    _, batch = order.divided(slot, order.batches)
+    return beam_of(slot, batch, index, number, key, order)
+
+
+def beam_of(slot, batch, index, number, key, order: BeamOrder):
+    """Return the index of the beam of a point of a receiver in a batch, and a sun.
 
     Batches have beams of their own; points of a batch take beams that are far apart.
+    `slot` is the number of the receiver and batch.
     """
-    slot, index = place // order.points, place % order.points
     start = mix(mix(slot, order.seed), key)
-    own = (start + index * order.apart) % order.own
-    beams = order.own * order.batches
-    return number * beams + own * order.batches + slot % order.batches
+    _, own = order.divided(start + index * order.apart, order.own)
+    return (number * order.own + own) * order.batches + batch
+
+
+@dataclass
+class Rectangle:
+    """Rectangle around a window: corner, unit normal, and edges.
+
+    The edges are divided by the squares of their lengths.
+    """
+
+    corner: mi.Point3f
+    plane: mi.Vector3f
+    across: mi.Vector3f
+    up: mi.Vector3f
+
+    def crossed(self, point, toward, slack: float = _SLACK) -> mi.Bool:
+        """Whether rays from points cross the rectangle, to the outside.
+
+        `slack` is a tolerance, relative to the rectangle.
+        """
+        apart = mi.Vector3f(self.corner - point)
+        outwards = dr.dot(toward, self.plane)
+        distance = dr.dot(apart, self.plane) / outwards
+        offset = toward * distance - apart
+        x, y = dr.dot(offset, self.across), dr.dot(offset, self.up)
+        crosses = (distance > 0) & (outwards < 0)
+        crosses &= (x > -slack) & (x < 1 + slack) & (y > -slack) & (y < 1 + slack)
+        return crosses
 
 
 @dr.syntax
 def crossed(
-    points,
-    normals,
-    both,
-    valid,
-    directions,
-    keys,
-    count,
-    words,
-    corner,
-    plane,
-    across,
-    up,
-    order,
+    points, normals, both, valid, directions, keys, count, words, rectangle, order
 ):
     """Return bit masks of the suns whose beam reaches each point by way of the window.
 
@@ -67,18 +111,13 @@ def crossed(
     number = dr.select(inside, number, last)
     normal = dr.gather(mi.Vector3f, normals, place)
     every = dr.gather(mi.Bool, both, place)
-    apart = mi.Vector3f(corner - dr.gather(mi.Point3f, points, place))
-    height = dr.dot(apart, plane)
+    point = dr.gather(mi.Point3f, points, place)
     masks = mi.UInt32(0)
     while number < last:
         key = dr.gather(mi.UInt32, keys, number)
         beam = chosen_beam(place, number, key, order)
         toward = dr.gather(mi.Vector3f, directions, beam)
-        distance = height / dr.dot(toward, plane)
-        offset = toward * distance - apart
-        x, y = dr.dot(offset, across), dr.dot(offset, up)
-        crosses = (distance > 0) & (dr.dot(toward, plane) < 0)
-        crosses &= (x > -_SLACK) & (x < 1 + _SLACK) & (y > -_SLACK) & (y < 1 + _SLACK)
+        crosses = rectangle.crossed(point, toward)
         crosses &= dr.dot(normal, toward) > _FACING
         masks |= dr.select(crosses | every, mi.UInt32(1) << (number & 31), 0)
         number += 1

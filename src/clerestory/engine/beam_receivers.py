@@ -13,7 +13,7 @@ from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers
 from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import vectors
 from clerestory.engine.vertices import sensor_vertex
-from clerestory.engine.visibility import first_hit, only_reflects
+from clerestory.engine.visibility import first_hit, interaction, only_reflects
 from clerestory.engine.window_path_jobs import PixelWindowPaths, SensorWindowPaths
 
 # Largest number of sample points of a pixel or cell in a batch
@@ -28,12 +28,17 @@ class Visible:
     ----------
     both : whether light may arrive from either side
     valid : whether there is such a point
+    lambertian : whether the light that is scattered to the receiver is proportional to
+        the irradiance of the point
+    factor : light of the receiver per irradiance of a Lambertian point
     """
 
     point: mi.Point3f
     normal: mi.Vector3f
     both: mi.Bool
     valid: mi.Bool
+    lambertian: mi.Bool
+    factor: mi.Color3f
 
 
 @dataclass
@@ -59,7 +64,7 @@ class BeamSensors:
         point = dr.gather(mi.Point3f, self.position, places.row)
         normal = dr.gather(mi.Vector3f, self.normal, places.row)
         yes = dr.full(mi.Bool, True, dr.width(places.row))
-        return Visible(point, normal, ~yes, yes)
+        return Visible(point, normal, ~yes, yes, yes, mi.Color3f(yes & yes))
 
     def light(self, tracer: PathTracer, places: Places) -> mi.Color3f:
         """Return the irradiance of sensors."""
@@ -93,7 +98,13 @@ class BeamPixels:
         point, normal, found = first_hit(model, ray, valid)
         # Surfaces that transmit and scatter are traced for all suns
         both = met & ~only_reflects(flags) & mi.has_flag(flags, mi.BSDFFlags.Smooth)
-        return Visible(point, normal, both, (found & (role == 0)) | both)
+        even = dr.gather(mi.Bool, model.lambertian_of_shape, shape, met) & (role == 0)
+        # BRDF: that of light along the normal
+        si = interaction(hit, ray, even)
+        upwards = mi.Vector3f(0, 0, dr.mulsign(mi.Float(1), si.wi.z))
+        factor = si.bsdf().eval(mi.BSDFContext(), si, upwards, even)
+        valid = (found & (role == 0)) | both
+        return Visible(point, normal, both, valid, even, dr.select(even, factor, 0))
 
     def light(self, tracer: PathTracer, places: Places) -> mi.Color3f:
         """Return the radiance of pixels."""

@@ -8,14 +8,13 @@ tested against the window's rectangle. Only the pairs that pass are traced.
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
-from clerestory.engine.beam_choice import BeamOrder, chosen_beam, crossed
+from clerestory.engine.beam_choice import BeamOrder, Rectangle, chosen_beam, crossed
 from clerestory.engine.beam_receivers import (
     BeamPixels,
     BeamSensors,
@@ -24,6 +23,7 @@ from clerestory.engine.beam_receivers import (
 )
 from clerestory.engine.beam_window import BeamWindow
 from clerestory.engine.channels import GROUP, band_groups, channels_of
+from clerestory.engine.lambertian_beams import BeamLight, LambertianPoints
 from clerestory.engine.lower import lower
 from clerestory.engine.path_tracer import PathTracer
 from clerestory.engine.sampler import PathNumbers, points
@@ -33,7 +33,7 @@ from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.window_path_jobs import PixelWindowPaths, WindowPathsJob
 from clerestory.image.camera import Camera
 from clerestory.scene.view import solid_angles
-from clerestory.scene.window_zones import WindowZones
+from clerestory.scene.window_zones import WindowZones, fills_rectangle
 
 # Suns of a bit mask, most bit masks of a launch, most paths that are traced together
 _BITS = 32
@@ -43,17 +43,9 @@ _PATHS = 1 << 22
 # Least number of beams of a sun, a power of two
 _BEAMS = 256
 
-# Light by batch, output, receiver and step
+# Light by batch, output, receiver and step; weights of the bands
 Sums = Float32[np.ndarray, "batch out row step"]
-
-
-class BeamLight(NamedTuple):
-    """Light by beams in some pairs of receiver and time step, in a batch of paths."""
-
-    batch: Int[np.ndarray, " pair"]
-    row: Int[np.ndarray, " pair"]
-    step: Int[np.ndarray, " pair"]
-    values: Float32[np.ndarray, "out pair"]
+Weights = Float[np.ndarray, "out band"]
 
 
 class BeamTracer:
@@ -78,7 +70,7 @@ class BeamTracer:
         return self.groups[0].beams
 
     def disc(
-        self, weights: Float[np.ndarray, "out band"], beams: Beams
+        self, weights: Weights, beams: Beams
     ) -> tuple[Float[np.ndarray, "out step"], Float[np.ndarray, " step"]]:
         """Return the irradiance by the solar disc at the centre of a sphere.
 
@@ -95,30 +87,41 @@ class BeamTracer:
             share = np.maximum(share, (light.max(axis=0) > 0).mean(axis=-1))
         return found, share
 
-    def add(
-        self,
-        total: Sums,
-        weights: Float[np.ndarray, "out band"],
-        beams: Beams,
-    ) -> None:
-        """Add the light of each receiver and step to the sums."""
+    def add(self, total: Sums, weights: Weights, beams: Beams) -> None:
+        """Add the light of points that are not Lambertian to the sums."""
         _, outputs, rows, steps = total.shape
-        for found in self.light(weights, beams):
+        for found in self._traced(weights, beams):
             place = found.row.astype(np.int64) * steps + found.step
             for output, value in enumerate(found.values):
                 flat = (found.batch * outputs + output) * (rows * steps) + place
                 np.add.at(total.reshape(-1), flat, value)
 
-    def light(
-        self, weights: Float[np.ndarray, "out band"], beams: Beams
-    ) -> Iterator[BeamLight]:
+    def add_lambertian(
+        self, totals: list[mi.Float], steps: int, weights: Weights, beams: Beams
+    ) -> None:
+        """Add the light of Lambertian points to sums on the device, by output."""
+        for group, share, own in self._parts(weights, beams):
+            group.lambertian.add(totals, steps, share, own)
+
+    def light(self, weights: Weights, beams: Beams) -> Iterator[BeamLight]:
         """Yield the light of receivers and steps, weighted by band; add equal pairs."""
+        for group, share, own in self._parts(weights, beams):
+            yield from group.lambertian.light(share, own)
+        yield from self._traced(weights, beams)
+
+    def _traced(self, weights: Weights, beams: Beams) -> Iterator[BeamLight]:
+        for group, share, own in self._parts(weights, beams):
+            yield from group.light(share, own)
+
+    def _parts(
+        self, weights: Weights, beams: Beams
+    ) -> "Iterator[tuple[_Group, np.ndarray, Beams]]":
+        # Groups of the bands with weights; a single weight applies to grey light
         for number, group in enumerate(self._needed(weights)):
             share = weights[:, GROUP * number : GROUP * (number + 1)]
-            yield from group.light(share, beams.group(number))
+            yield group, share, beams.group(number)
 
-    def _needed(self, weights: Float[np.ndarray, "out band"]) -> "list[_Group]":
-        # Groups of the bands with weights; a single weight applies to grey light
+    def _needed(self, weights: Weights) -> "list[_Group]":
         return self.groups[: -(-weights.shape[1] // GROUP)]
 
 
@@ -140,21 +143,36 @@ class _Group:
                 number + 1,
                 vectors(mi.Vector3f, window.frame.normal[None]),
             )
-            self.corner = vectors(mi.Point3f, zones.corner - origin)
-            self.edges = [
-                vectors(mi.Vector3f, edge / np.square(edge).sum())
-                for edge in (zones.across, zones.upwards)
-            ]
-            count = job.receivers * job.batches * self.receivers.points
+            self.rectangle = Rectangle(
+                vectors(mi.Point3f, zones.corner - origin),
+                self.window.normal,
+                *(
+                    vectors(mi.Vector3f, edge / np.square(edge).sum())
+                    for edge in (zones.across, zones.upwards)
+                ),
+            )
+            self.alone = fills_rectangle(number, job.windows)
+            self.slots = job.receivers * job.batches
+            count = self.slots * self.receivers.points
             places = self._places(dr.arange(mi.UInt32, count))
             self.visible = self.receivers.visible(self.window.inside, places)
-            dr.eval(self.visible)
+            # Other points are those at which paths are needed
+            self.others = self.visible.valid & ~self.visible.lambertian
+            dr.eval(self.visible, self.others)
+            self.traces = bool(dr.any(self.others))
         self.angles = _pixel_angles(job)
 
+    @property
+    def lambertian(self) -> LambertianPoints:
+        """Points at which no paths are needed."""
+        points = self.visible, self.window, self.rectangle, self._order()
+        return LambertianPoints(*points, self.slots, self.alone)
+
     def light(self, weights: np.ndarray, beams: Beams) -> Iterator[BeamLight]:
-        # See `BeamTracer.light`
+        # Light of the other points, and of the disc; see `BeamTracer.light`
         words = max(1, _MASKS // dr.width(self.visible.valid))
-        for first in range(0, len(beams.steps), _BITS * words):
+        suns = len(beams.steps) if self.traces else 0
+        for first in range(0, suns, _BITS * words):
             part = beams.select(slice(first, first + _BITS * words))
             place, number = self._crossing(part)
             for start in range(0, len(place), _PATHS):
@@ -180,13 +198,9 @@ class _Group:
         return Places(slot // batches, slot % batches, numbers)
 
     def _order(self) -> BeamOrder:
-        each, batches = self.receivers.points, self.job.batches
-        own = self.beams // batches
-        return BeamOrder(
-            *(
-                dr.opaque(mi.UInt32, n)
-                for n in (self.job.seed, each, batches, own, max(1, own // each))
-            )
+        job, each = self.job, self.receivers.points
+        return BeamOrder.of(
+            seed=job.seed, points=each, batches=job.batches, beams=self.beams
         )
 
     def _crossing(
@@ -197,10 +211,10 @@ class _Group:
         words = -(-count // _BITS)
         with launching():
             masks = crossed(
-                seen.point, seen.normal, seen.both, seen.valid,
+                seen.point, seen.normal, seen.both, self.others,
                 vectors(mi.Vector3f, beams.direction.reshape(-1, 3)),
                 on_device(mi.UInt32, beams.key), dr.opaque(mi.UInt32, count), words,
-                self.corner, self.window.normal, *self.edges, self._order(),
+                self.rectangle, self._order(),
             )  # fmt: skip
             found = masks.numpy()
         mask = np.flatnonzero(found)

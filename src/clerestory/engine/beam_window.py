@@ -74,6 +74,15 @@ class BeamWindow(Source):
         passed = transmittance(self.outside, start, along(self.sun), met)
         return dr.select(met, share * passed, 0)
 
+    def open_to(self, sun: mi.Vector3f, start: mi.Point3f, active) -> mi.Color3f:
+        """Return whether nothing but the window is between points and the sun."""
+        blocked = self.outside.scene.ray_test(mi.Ray3f(start, sun), active)
+        return dr.select(active & ~blocked, mi.Color3f(1), 0)
+
+    def along(self, direction: mi.Vector3f, sun: mi.Vector3f) -> "BeamWindow":
+        """Return the window with beams of given directions."""
+        return replace(self, direction=direction, sun=sun)
+
     def lit(self, beams: Beams, beam) -> "BeamWindow":
         """Return the window with the beams of given indices, one for each path."""
         direction, sun, value = (

@@ -46,6 +46,7 @@ class LoweredScene:
     layer_of_shape : whether the material is a BSDF without thickness
     material_of_shape : name of the material; "" for emitters, windows, and shapes that
         are no meshes
+    lambertian_of_shape : whether the material is Lambertian
     name_of_shape : as `material_of_shape`, also for shapes that are no meshes
     proxies : whether any shape has a thickness
     smooth : faces that reflect like a mirror
@@ -67,6 +68,7 @@ class LoweredScene:
     material_of_shape: Shaped[np.ndarray, " shape"]
     name_of_shape: Shaped[np.ndarray, " shape"]
     flags_of_shape: mi.UInt32
+    lambertian_of_shape: mi.Bool
     proxies: bool
     smooth: SmoothFaces
     throughput: BandThroughput | None = None
@@ -174,6 +176,10 @@ def _lowered(
         material_of_shape=by_index([material_names.get(n, "") for n in names]),
         name_of_shape=by_index(colours_of),
         flags_of_shape=by_shape(mi.UInt32, flags),
+        lambertian_of_shape=by_shape(
+            mi.Bool,
+            [bool(n) and scene.materials[n].lambertian for n in colours_of],
+        ),
         proxies=bool(thickness),
         smooth=SmoothFaces.of(int(faces.sum()), mirrors, origin),
         throughput=BandThroughput.of(spectral, by_index(colours_of)),

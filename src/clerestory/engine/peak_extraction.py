@@ -10,6 +10,9 @@ The criteria are those of Radiance (m_bsdf.c), which selects the peak for each d
 of view. Here it is selected for each direction of light, which conserves its flux.
 """
 
+from collections.abc import Collection
+from functools import lru_cache
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -28,8 +31,9 @@ from clerestory.hemisphere.shirley_chiu import (
     directions_from_square,
 )
 
-# Number of cells along an edge of the look-up grid of directions.
+# Number of cells along an edge of the look-up grid of directions, and of all cells.
 _GRID = 128
+_CELLS = _GRID * _GRID
 
 # Points around the direction of direct transmission, _STEP smallest cells apart on the
 # disc. Cells with a point within _CORE can belong to a peak; they end within _REACH.
@@ -48,6 +52,11 @@ _FAINT = 5e-4
 
 _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
 
+# Transmission into the room, alone
+INWARDS: tuple[Function, ...] = ("transmission_front",)
+
+_Peaks = tuple[np.ndarray, np.ndarray, np.ndarray, float]
+
 
 class PeakTable:
     """Dr.Jit arrays of the direct transmission (peak) of a layer.
@@ -55,18 +64,19 @@ class PeakTable:
     The arrays are indexed by the direction of the light, as the values of the file are:
     the peak and the remaining BTDF together conserve the flux of each incident
     direction. The first half of each array is for light into the room, the second half
-    for light to the outside.
+    for light to the outside. Functions that are not among `sides` have no peak.
     """
 
-    def __init__(self, bsdf: Bsdf):
-        found = zip(*(_peaks(bsdf, side) for side in _SIDES), strict=True)
+    def __init__(self, bsdf: Bsdf, sides: Collection[Function] = _SIDES):
+        parts = [_peaks(bsdf, side) if side in sides else _none() for side in _SIDES]
+        found = zip(*parts, strict=True)
         self.passed, self.surround, self.limit, self.radius2 = (
             on_device(mi.Float, np.stack(parts)) for parts in found
         )
 
     def _cell(self, along):
         # Cell of the direction in which light propagates
-        outside = dr.select(along.z > 0, mi.UInt32(0), mi.UInt32(_GRID * _GRID))
+        outside = dr.select(along.z > 0, mi.UInt32(0), mi.UInt32(_CELLS))
         return outside + cell_of_disc(along, _GRID)
 
     def transmittance(self, wi):
@@ -94,25 +104,27 @@ def peak_cells(
     return list(cells_from_disc(along[:, 0], along[:, 1], halvings=halvings))
 
 
-def _peaks(
-    bsdf: Bsdf, side: Function
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+def _none() -> _Peaks:
+    return np.zeros((_CELLS, 3)), np.zeros(_CELLS), np.full(_CELLS, np.inf), 0.0
+
+
+@lru_cache(maxsize=4)
+def _peaks(bsdf: Bsdf, side: Function) -> _Peaks:
     # For each grid cell: RGB direct transmittance, surrounding BTDF, least BTDF of the
     # peak; for all cells: squared radius of the peak on the disc
-    cells = _GRID * _GRID
-    none = np.zeros((cells, 3)), np.zeros(cells), np.full(cells, np.inf), 0.0
     if not bsdf.has(side):
-        return none
+        return _none()
     luminous = bsdf.scattering(side)
     smallest = _smallest(luminous)
     if smallest is None:
-        return none
+        return _none()
     incident, leaving, inside = _around(_INNER, smallest)
-    parts = bsdf.xyz(side) if bsdf.in_colour(side) else (luminous,)
-    values = [np.where(inside, part.evaluate(incident, leaving), 0) for part in parts]
-    size = luminous.resolution(incident, leaving)
+    found, size, number = luminous.cell_values(incident, leaving)
+    values = [np.where(inside, found, 0)]
+    if bsdf.in_colour(side):
+        parts = (part.evaluate(incident, leaving) for part in bsdf.xyz(side))
+        values = [np.where(inside, part, 0) for part in parts]
     bright = values[len(values) // 2]
-    number = luminous.cell(incident, leaving)
 
     # Select bright small cells; they must be brighter than all other cells within
     # reach, because `without` selects them by their values
@@ -129,13 +141,13 @@ def _peaks(
     around = first & ~in_peak
     weight = np.where(around, size, 0).sum(axis=1)
     surround = np.where(around, bright * size, 0).sum(axis=1)
-    surround = np.divide(surround, weight, out=np.zeros(cells), where=weight > 0)
+    surround = np.divide(surround, weight, out=np.zeros(_CELLS), where=weight > 0)
     counted = in_peak & first
     above = [
         np.where(counted, (v - surround[:, None]) * size, 0).sum(axis=1) for v in values
     ]
     rgb = np.stack(above * (3 // len(above)))
-    if len(parts) == 3:
+    if len(values) == 3:
         rgb = rgb_from_xyz(np.maximum(rgb, 0)[:, :, None])[:, :, 0]
     clear = (above[len(above) // 2] >= _FAINT) & (weight > 0)
     rgb = np.where(clear, rgb, 0).T
@@ -171,7 +183,7 @@ def _outside(part: ScatteringFunction, smallest: float, limit, number, in_peak):
     values = np.where(inside, part.evaluate(incident, leaving), 0)
     at, step = np.nonzero(values > limit[row, None])
     row = row[at]
-    cell = part.cell(incident[at, step], leaving[at, step])
+    cell = part.cell_values(incident[at, step], leaving[at, step]).number
     other = np.all((number[row] != cell[:, None]) | ~in_peak[row], axis=1)
     np.maximum.at(most, row[other], values[at, step][other])
     return most

@@ -19,7 +19,7 @@ from clerestory.bsdf.spectral_channels import band_groups_of
 from clerestory.constants import R2
 from clerestory.directions import Frame
 from clerestory.engine.channels import GROUP
-from clerestory.engine.peak_extraction import PeakTable
+from clerestory.engine.peak_extraction import INWARDS, PeakTable
 from clerestory.engine.upload import launching, vectors
 from clerestory.sky.solar_disc import GOLDEN_TURN, disc_points
 
@@ -78,7 +78,7 @@ class UnscatteredBeams:
     """Unscattered transmission of a BSDF in the frame of a window, in some bands."""
 
     def __init__(self, bsdf: Bsdf, frame: Frame, bands: Bands = RGB):
-        self.peaks = [PeakTable(part) for part in band_groups_of(bsdf, bands)]
+        self.peaks = [PeakTable(part, INWARDS) for part in band_groups_of(bsdf, bands)]
         self.channels = len(bands) if len(self.peaks) > 1 else GROUP
         self.axes = np.array([frame.right, frame.up, frame.normal])
 

@@ -20,6 +20,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
+from clerestory.directions import unit
 from clerestory.engine.materials.bsdf_file import Table, forward_table
 from clerestory.engine.narrow_highlights import Kind, highlights
 from clerestory.engine.sampled_sources import suns_of
@@ -102,7 +103,8 @@ class Highlight:
     def of(cls, kind: Kind, chance: float) -> "Highlight":
         """Return the highlights of a roughness and normal."""
         roughness, normal = kind
-        normals = vectors(mi.Vector3f, np.array([normal]))
+        # The normal of a kind is rounded; small errors change narrow highlights
+        normals = vectors(mi.Vector3f, unit(np.array(normal))[None])
         return cls(normals, on_device(mi.Float, [roughness**2]), chance)
 
     def sample(self, sun, u, v):
@@ -124,7 +126,8 @@ class Highlight:
         cosine = side * dr.dot(half, self.normal)
         valid = (cosine > 1e-3) & (length > 1e-6)
         cosine2 = dr.square(dr.select(valid, cosine, 1))
-        bell = dr.exp(-(1 / cosine2 - 1) / self.roughness2)
+        slope2 = dr.squared_norm(half - side * cosine * self.normal) / cosine2
+        bell = dr.exp(-slope2 / self.roughness2)
         bell *= dr.inv_pi / (self.roughness2 * cosine2 * dr.sqrt(cosine2))
         return dr.select(valid, bell / (4 * dr.dot(half, sun)), 0)
 

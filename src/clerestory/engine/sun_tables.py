@@ -18,7 +18,7 @@ from clerestory.directions import Frame, unit
 from clerestory.engine.channels import band_groups, channels_of
 from clerestory.engine.lower import lower
 from clerestory.engine.materials.bsdf_file import forward_table
-from clerestory.engine.peak_extraction import PeakTable, peak_cells
+from clerestory.engine.peak_extraction import INWARDS, PeakTable, peak_cells
 from clerestory.engine.unusual_lengths import scene_factor
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.visibility import ROUNDING, along, transmittance
@@ -27,8 +27,9 @@ from clerestory.scene.scaling import scaled
 from clerestory.sky.solar_disc import GOLDEN_TURN, disc_points
 
 # Numbers of points of the solar disc: for the transmittance from the sun, and for the
-# shares of incident cells
-_DISC, _FINE = 16, 64
+# shares of incident cells. With 64 points, the radiance of a blind was up to 10 % off
+# in single exit cells, where the disc lies in incident cells of unlike transmission.
+_DISC, _FINE = 16, 1024
 
 
 class SunlitBsdf:
@@ -47,7 +48,7 @@ class SunlitBsdf:
         cells: Callable[[Float[np.ndarray, "ray 3"]], Int[np.ndarray, " ray"]],
     ):
         self.table = forward_table(bsdf)
-        self.peak = PeakTable(bsdf) if peak else None
+        self.peak = PeakTable(bsdf, INWARDS) if peak else None
         self.axes = np.array([frame.right, frame.up, frame.normal])
         self.cells = cells
 
@@ -78,16 +79,20 @@ class SunlitBsdf:
         disc = (solar_disc(suns, _FINE) @ self.axes.T).reshape(-1, 3)
         number = np.tile(np.arange(len(suns)), _FINE)
         disc, number = disc[disc[:, 2] < 0], number[disc[:, 2] < 0]
-        keys = [number, self.cells(-disc)]
+        keys = [self.cells(-disc)]
         if self.peak is not None:
             keys += peak_cells(-disc)
-        pairs, part = np.unique(np.stack(keys), axis=1, return_inverse=True)
+        # One number for each sun and cell, which is faster to sort than several
+        key = number.astype(np.int64)
+        for each in keys:
+            key = key * (int(each.max(initial=0)) + 1) + each
+        _, start, part = np.unique(key, return_index=True, return_inverse=True)
         sums = np.stack([np.bincount(part, axis) for axis in disc.T], axis=-1)
-        share = np.bincount(part) / _FINE
-        first = np.searchsorted(pairs[0], pairs[0], side="left")
+        share, sun = np.bincount(part) / _FINE, number[start]
+        first = np.searchsorted(sun, sun, side="left")
         rank = np.arange(len(first)) - first
         for layer in range(rank.max(initial=-1) + 1):
-            some, own = rank == layer, pairs[0, rank == layer]
+            some, own = rank == layer, sun[rank == layer]
             directions, shares = (
                 np.tile([0, 0, -1.0], (len(suns), 1)),
                 np.zeros(len(suns)),

@@ -14,7 +14,6 @@ from jaxtyping import Float, Int
 from clerestory.array_types import (
     Directions,
     ExitIncident,
-    Indices,
     Points2,
     Values,
     Vector,
@@ -22,7 +21,7 @@ from clerestory.array_types import (
 from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.reciprocal_function import ReciprocalFunction
-from clerestory.bsdf.scattering_function import ScatteringFunction
+from clerestory.bsdf.scattering_function import CellValues, ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.gonio.angles import directions_over_disc, undeviated, upper_hemisphere
 from clerestory.gonio.displacement_interpolation import (
@@ -140,10 +139,10 @@ class Interpolant(ScatteringFunction):
         shape = np.broadcast_shapes(np.shape(incident), np.shape(leaving))[:-1]
         return np.full(shape, np.pi * 0.25**_GATHER)
 
-    def cell(self, incident: Directions, leaving: Directions) -> Indices:
-        """Numbers that all differ: values are interpolated for each pair."""
-        shape = np.broadcast_shapes(np.shape(incident), np.shape(leaving))[:-1]
-        return np.arange(np.prod(shape, dtype=int)).reshape(shape)
+    def cell_values(self, incident: Directions, leaving: Directions) -> CellValues:
+        """Values, and numbers that all differ: each pair is interpolated by itself."""
+        value, size = (f(incident, leaving) for f in (self.evaluate, self.resolution))
+        return CellValues(value, size, np.arange(value.size).reshape(value.shape))
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         into = patches_in_cells(exits, _GATHER)

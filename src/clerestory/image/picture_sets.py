@@ -45,12 +45,18 @@ def numbered(path: Path, number: int) -> Path:
         raise InputError(_NO_NUMBER, file=path) from None
 
 
-def read_picture_set(path: Path) -> tuple[TransferMatrix, Picture]:
-    """Return pictures numbered from 0 as a matrix, and the first picture."""
+def read_picture_set(
+    path: Path, *, most: int | None = None
+) -> tuple[TransferMatrix, Picture]:
+    """Return pictures numbered from 0 as a matrix, and the first picture.
+
+    `most` is the largest number of pictures to read; None reads all.
+    """
     require(numbered(path, 0) != numbered(path, 1), _NO_NUMBER, file=path)
     first = read_picture(numbered(path, 0))
     columns = [first.radiance]
-    files = (numbered(path, number) for number in count(1))
+    numbers = count(1) if most is None else range(1, most)
+    files = (numbered(path, number) for number in numbers)
     for file in takewhile(Path.is_file, files):
         columns.append(read_picture(file).radiance)
         with located(file=file):

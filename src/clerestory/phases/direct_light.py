@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -19,6 +20,7 @@ _WITHOUT = ("relative_error", "bounces", "batches", "components")
 _BLACK = Plastic("black", np.zeros(3))
 
 
+@lru_cache(maxsize=4)
 def blackened(scene: Scene) -> Scene:
     """Return the scene with black surfaces, without sources at infinity."""
     return Scene(

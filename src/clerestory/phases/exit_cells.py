@@ -93,14 +93,32 @@ class ExitCells:
         return directions_from_square(place[..., 0], place[..., 1])
 
 
-def incident_cells(
-    bsdf: Bsdf, light: Float[np.ndarray, "ray 3"]
+@dataclass(frozen=True, eq=False)
+class IncidentCells:
+    """Cells of incident directions, of a tensor tree or else of a partition."""
+
+    tree: ScatteringTree | None
+    partition: RingPartition | None
+
+    @classmethod
+    def of(cls, bsdf: Bsdf) -> "IncidentCells":
+        """Return the cells of the transmission towards the room."""
+        tree = _tree(bsdf.scattering("transmission_front"))
+        if tree is not None:
+            return cls(tree, None)
+        return cls(None, bsdf.function("transmission_front").incidents)
+
+    def find(self, light: Float[np.ndarray, "ray 3"]) -> Int[np.ndarray, " ray"]:
+        """Return the cells of light into the room, in the window's frame."""
+        if self.tree is None:
+            assert self.partition is not None
+            return np.asarray(self.partition.find(light))
+        return _cells_of_tree(self.tree, light)
+
+
+def _cells_of_tree(
+    tree: ScatteringTree, light: Float[np.ndarray, "ray 3"]
 ) -> Int[np.ndarray, " ray"]:
-    """Return the cells of light into the room, of directions in the window's frame."""
-    tree = _tree(bsdf.scattering("transmission_front"))
-    if tree is None:
-        found = bsdf.function("transmission_front").incidents.find(light)
-        return np.asarray(found)
     x, y = light[:, 0], light[:, 1]
     if tree.rank == 4:
         row, column = cells_from_disc(x, y, halvings=tree.depth)

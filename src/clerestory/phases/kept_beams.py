@@ -39,7 +39,8 @@ class KeptBeams:
     def keep(self, suns: Int[np.ndarray, " some"], parts: Iterable[Any]) -> None:
         """Keep the light of suns that are not known yet.
 
-        `parts` are of `engine.beam_tracer.BeamLight`; the steps are indices of suns.
+        `parts` are of `engine.lambertian_beams.BeamLight`, their steps are indices of
+        suns.
         """
         rows, shape = self.shape[2], (self.light.shape[0], len(suns))
         values, places, columns = [np.zeros(0, "f4")], [np.zeros(0, int)], []

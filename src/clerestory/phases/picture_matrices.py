@@ -106,13 +106,18 @@ def _traced(
     estimated = estimate(job, replace(effort, components=True))
     warn_if_short(estimated, "view matrix of the picture", effort)
     assert estimated.components is not None
+    # The two components are opposite; one of them is the error
+    whole, one = estimated.values, estimated.components[:1].copy()
+    one *= np.float32(math.sqrt(2))
+    # Large matrices are released as soon as they are copied
+    del estimated
+    whole = whole.astype(np.float32)
     found, first, pixels = {}, 0, pixel_axis(len(camera))
     for name, columns in patch_axes(windows, "interior").items():
         own = slice(first, first + columns.size)
-        # The two components are opposite; one of them is the error
-        one = estimated.components[:1, ..., own] * np.float32(math.sqrt(2))
-        parts = estimated.values[..., own], one
-        values, error = (_in_bands(part, scene.bands) for part in parts)
+        values, error = (
+            _in_bands(part[..., own], scene.bands) for part in (whole, one)
+        )
         found[name] = TransferMatrix(values, pixels, columns, error, scene.bands)
         first = own.stop
     return found
@@ -121,4 +126,4 @@ def _traced(
 def _in_bands(values: np.ndarray, bands: Bands) -> np.ndarray:
     # Repeat the single channel of grey rooms in all bands
     shape = *values.shape[:-3], len(bands), *values.shape[-2:]
-    return np.broadcast_to(values.astype(np.float32), shape)
+    return np.broadcast_to(values, shape)

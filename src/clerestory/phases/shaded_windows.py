@@ -69,8 +69,8 @@ def receiving_matrices(
     """Return the matrices of pixels or cells, by window name.
 
     `views` are V. With `paths`, they are V - V_d, and the matrices include those of the
-    direct correction under the suns; V_d is of floating-point numbers of a `kind`. T, F
-    and D have the few error components that suffice for glare. `like` are matrices of
+    direct correction under the suns; the errors of V_d are of a `kind` of numbers. T,
+    F and D have the few error components that suffice for glare. `like` are matrices of
     other receivers of the same windows under the same suns, whose tables of sunlight
     are used again.
     """
@@ -114,11 +114,10 @@ def _sum(reflected: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:
     # Grey rooms: one channel
     if len(direct.values) == 1:
         values, error = values[:1], error[:, :1]
-    return replace(
-        reflected,
-        values=values + direct.values,
-        components=error + direct.components,
-    )
+    # Numbers in half precision are added in single precision, which is faster
+    parts = (values, direct.values), (error, direct.components)
+    total, components = (np.add(*part, dtype=np.float32) for part in parts)
+    return replace(reflected, values=total, components=components)
 
 
 def _sunlit(

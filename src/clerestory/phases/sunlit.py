@@ -114,20 +114,24 @@ class SunlitReceivers:
         width = engine.padded(len(sun))
         extra = [(0, 0), (0, 0), (0, width - len(sun))]
         radiance = window.radiance(sun, irradiance)
-        parts = self._spread(radiance), radiance
-        light = np.pad(np.concatenate(parts, axis=1), extra)
+        both = self._spread(radiance), radiance
+        light = np.pad(np.concatenate(both, axis=1), extra)
         passed = np.pad(window.transmittance[..., sun], extra)
-        shape = job.batches, job.receivers, width
-        sums = [
-            self._sum(product, row, light, passed).numpy().reshape(shape)
-            for row in weights
-        ]
-        found = np.stack(sums, axis=1) if len(sums) > 1 else sums[0][:, None]
+        sums = [self._sum(product, row, light, passed) for row in weights]
         kept = self._kept.get(weights.tobytes())
-        if kept is not None and not len(kept.missing(sun)):
+        if kept is not None and len(kept.missing(sun)):
+            kept = None
+        beams: list[Any] = []
+        if kept is None:
+            beams = self._beams(radiance, window.suns[sun], irradiance)
+        for each in beams:
+            self._beam_tracer.add_lambertian(sums, width, weights, each)
+        shape = job.batches, job.receivers, width
+        parts = [each.numpy().reshape(shape) for each in sums]
+        found = np.stack(parts, axis=1) if len(parts) > 1 else parts[0][:, None]
+        if kept is not None:
             kept.add(found, sun, irradiance)
-            return found
-        for each in self._beams(radiance, window.suns[sun], irradiance):
+        for each in beams:
             self._beam_tracer.add(found, weights, each)
         return found
 

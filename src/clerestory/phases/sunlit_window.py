@@ -6,7 +6,7 @@ the tables.
 """
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from clerestory.bsdf.spectral_channels import band_groups_of
 from clerestory.directions import Frame
 from clerestory.engine import device as devices
 from clerestory.engine.device import Device
-from clerestory.phases.exit_cells import ExitCells, incident_cells
+from clerestory.phases.exit_cells import ExitCells, IncidentCells
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 from clerestory.scene.window_zones import WindowZones
@@ -75,7 +75,7 @@ class SunlitWindow:
     @cached_property
     def _tables(self) -> list[Any]:
         # One for each group of three bands, or one if the BSDF is the same in all
-        cells = partial(incident_cells, self.bsdf)
+        cells = IncidentCells.of(self.bsdf).find
         engine: Any = self._engine("sun_tables")
         return [
             engine.SunlitBsdf(part, self.frame, peak=self.peak, cells=cells)
@@ -85,11 +85,9 @@ class SunlitWindow:
     @cached_property
     def transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
         """Transmittance from the suns to the zones of the window."""
-        zones, polygons = WindowZones.of(self.windows), self.windows[self.number]
-        points = zones.points(self.number, polygons.polygons, _ZONE_POINTS)
-        engine: Any = self._engine("sun_tables")
-        return np.asarray(
-            engine.sun_transmittance(self.scene, points, self.frame.normal, self.suns)
+        where = self.scene, self.windows, self.number
+        return _transmittance(
+            *where, np.asarray(self.suns, float).tobytes(), self.device
         )
 
     @cached_property
@@ -101,3 +99,16 @@ class SunlitWindow:
 
     def _engine(self, module: str) -> Any:
         return devices.load(self.device, module)
+
+
+@lru_cache(maxsize=4)
+def _transmittance(
+    scene: Scene, windows: tuple[Window, ...], number: int, suns: bytes, device: Device
+) -> Float32[np.ndarray, "channel zone sun"]:
+    # The same for all shade states without exterior shades
+    window = windows[number]
+    zones = WindowZones.of(windows).points(number, window.polygons, _ZONE_POINTS)
+    engine: Any = devices.load(device, "sun_tables")
+    directions = np.frombuffer(suns).reshape(-1, 3)
+    found = engine.sun_transmittance(scene, zones, window.frame.normal, directions)
+    return np.asarray(found)

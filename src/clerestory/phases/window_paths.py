@@ -131,13 +131,13 @@ class WindowPaths:
     def view_matrices(
         self, kind: type[np.floating] = np.float32
     ) -> dict[str, TransferMatrix]:
-        """Return V_d, by window name, of floating-point numbers of a `kind`."""
+        """Return V_d, by window name, with errors of a `kind` of numbers."""
         pixels, bands, found = self.job.receivers, self.job.scene.bands, {}
         for number, window in enumerate(self.job.windows):
             cells = ExitCells.of_partition(window.partition)
             own = self.zones.of_window(number)
             shape = len(self.records[0].weights), pixels, len(window.partition)
-            values, error = np.zeros(shape, kind), np.zeros((1, *shape), kind)
+            values, error = np.zeros(shape, np.float32), np.zeros((1, *shape), kind)
             for first in range(0, pixels, _PIXELS):
                 rows = slice(first, min(first + _PIXELS, pixels))
                 one, other = (

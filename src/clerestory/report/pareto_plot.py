@@ -21,6 +21,9 @@ _WIDTH, _HEIGHT = 640.0, 400.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58.0, 24.0, 16.0, 46.0
 _PLAIN = "#1f4e79"
 
+# Smallest range of an axis, in the unit of the figure
+_LEAST_SPAN = 0.01
+
 
 @dataclass(frozen=True, eq=False)
 class Objectives:
@@ -142,7 +145,7 @@ def _range(figures: Sequence[VariantFigure]) -> tuple[float, float]:
     # Round limits of an axis
     low = min(figure.value - figure.error for figure in figures)
     high = max(figure.value + figure.error for figure in figures)
-    span = max(high - low, 0.02 * abs(high), 1e-6)
+    span = max(high - low, 0.02 * abs(high), _LEAST_SPAN)
     step = _step(span)
     least = np.floor((low - 0.04 * span) / step) * step
     most = np.ceil((high + 0.04 * span) / step) * step
@@ -189,9 +192,9 @@ def _dot(
     across, up = shown.across[at], shown.up[at]
     x, y = _across(across.value, axes), _up(up.value, axes)
     bars = (
-        f"M{_across(across.value - across.error, axes):.1f} {y:.1f}"
+        f"M{_across(max(across.value - across.error, axes[0][0]), axes):.1f} {y:.1f}"
         f"H{_across(across.value + across.error, axes):.1f}"
-        f"M{x:.1f} {_up(up.value - up.error, axes):.1f}"
+        f"M{x:.1f} {_up(max(up.value - up.error, axes[1][0]), axes):.1f}"
         f"V{_up(up.value + up.error, axes):.1f}"
     )
     words = f"{at + 1} {name}: {number(up.value)} {up.unit}, "

@@ -77,6 +77,11 @@ class Material(ABC):
         """Reflectance of mirror reflection near normal incidence, on flat surfaces."""
         return 0.0
 
+    @property
+    def lambertian(self) -> bool:
+        """Whether all light is reflected diffusely or absorbed."""
+        return False
+
     @abstractmethod
     def plugin(self) -> Plugin:
         """Return the Mitsuba plugin; the surface of a light source is black."""

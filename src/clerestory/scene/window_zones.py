@@ -7,6 +7,7 @@ and column have 16 bits each, so that any partition of directions can be applied
 Reference: P. Shirley, K. Chiu, Journal of Graphics Tools 2 (3), 1997.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -26,6 +27,9 @@ DIRECTION_BITS = 16
 # zones of all windows together
 STRAIGHT = 1 << 15
 _ZONES = STRAIGHT
+
+# Tolerance of lengths and areas of a rectangle, relative to its size
+_FLAT = 1e-6
 
 # Usual number of zones of a window
 _USUAL = 1024
@@ -92,6 +96,20 @@ class WindowZones:
         begin = np.minimum(begin, len(order) - 1)
         number = begin[:, None] + np.arange(each) % np.maximum(end - begin, 1)[:, None]
         return np.asarray(found[order[number]])
+
+
+def fills_rectangle(number: int, windows: Sequence[Window]) -> bool:
+    """Whether one of the windows fills a rectangle, and no other is in front of it."""
+    window = windows[number]
+    corner, x, y, _ = _grid(window, 1)
+    size = float(np.linalg.norm(np.cross(x, y)))
+    near = _FLAT * math.sqrt(size)
+    heights = [
+        np.concatenate([(p.vertices - corner) @ window.frame.normal for p in part])
+        for part in (window.polygons, [p for w in windows for p in w.polygons])
+    ]
+    flat, behind = abs(heights[0]).max() < near, heights[1].max() < near
+    return bool(flat and behind and abs(window.area - size) < _FLAT * size)
 
 
 def _grid(

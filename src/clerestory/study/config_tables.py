@@ -76,6 +76,9 @@ class NamedFile(Named):
         return self.name or printable(self.file.stem)
 
 
+Place = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
 def _distinct(tables: Sequence[Named]) -> Sequence[Named]:
     labels = [table.label for table in tables]
     twice = [name for name in labels if labels.count(name) > 1]
@@ -252,10 +255,15 @@ def _pictures(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
-class ViewTable(NamedFile):
-    """View for glare at every time step and for images at selected dates and times."""
+class ViewTable(Named):
+    """View for glare at every time step and for images at selected dates and times.
 
-    file: InputFile = Field(description="a Radiance view file")
+    It is that of a Radiance view file, or a fisheye view from a position.
+    """
+
+    file: InputFile | None = Field(None, description="a Radiance view file")
+    position: Place | None = Field(None, description="a list [x, y, z]")
+    direction: Place | None = Field(None, description="a list [x, y, z]")
     resolution: int = Field(200, ge=8, le=4096)
     samples: int = Field(64, ge=1, le=1 << 20)
     pictures: Annotated[
@@ -265,6 +273,27 @@ class ViewTable(NamedFile):
         default_factory=list,
         description='"every", or a list of moments as "09-21T12:00"',
     )
+
+    @property
+    def label(self) -> str:
+        """Name of the view, by default the stem of the file name."""
+        return self.name or printable(Path(self.file or "").stem)
+
+    @model_validator(mode="after")
+    def _file_or_position(self) -> Self:
+        require_one_of({'"file"': self.file, '"position"': self.position})
+        require_rule(
+            bool(self.position) == bool(self.direction),
+            '"position" or "direction" without the other; both expected',
+        )
+        require_rule(
+            self.direction is None or any(self.direction),
+            '"direction" is zero; the direction of view expected',
+        )
+        require_rule(
+            self.file or self.name, '"position" without "name"; a name expected'
+        )
+        return self
 
 
 def sun_places(value: Any) -> Any:

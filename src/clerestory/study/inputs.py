@@ -11,6 +11,7 @@ from clerestory.bands import RGB
 from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
+from clerestory.directions import unit
 from clerestory.errors import InputError
 from clerestory.image.camera import Camera
 from clerestory.library.bsdf_source import read_bsdf
@@ -23,6 +24,7 @@ from clerestory.scene.glazing import without_glazing
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.sensors import Sensors, read_sensors
+from clerestory.scene.view import View
 from clerestory.sky.clear_sky import clear_sky_weather
 from clerestory.sky.quality_checks import warn_of_clock
 from clerestory.sky.station_file import read_with
@@ -36,6 +38,9 @@ from clerestory.study.config import Study
 from clerestory.study.config_tables import SceneTable, ViewTable, WeatherTable
 from clerestory.study.view_grid_positions import ViewGrid, read_view_grid
 from clerestory.study.window_groups import WindowGroup, read_window_groups
+
+# Vertical component of the direction from which +y is up in fisheye views
+_LEVEL = 0.9999
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,8 +153,19 @@ def _glazing_spectra(study: Study) -> list[Path]:
 
 
 def _camera(table: ViewTable, metres: float) -> Camera:
-    view = scaled(read_view(table.file), metres)
+    view = scaled(_view(table), metres)
     return Camera(view, *view.size_for(table.resolution))
+
+
+def _view(table: ViewTable) -> View:
+    # That of the file, or a fisheye view
+    if table.file is not None:
+        return read_view(table.file)
+    direction = unit(np.array(table.direction, dtype=float))
+    level = abs(direction[2]) < _LEVEL
+    up = np.array([0.0, 0, 1] if level else [0.0, 1, 0])
+    place = np.array(table.position, dtype=float)
+    return View("angular", place, direction, up, horizontal=180, vertical=180)
 
 
 def study_weather(study: Study) -> Weather:

@@ -1,13 +1,17 @@
 """Tables of the study file for electric light: luminaires and lighting zones."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
 from clerestory.metrics.lighting_energy import Control
-from clerestory.study.config_tables import InputFile, Named, NamedFile, require_rule
-
-Place = Annotated[list[float], Field(min_length=3, max_length=3)]
+from clerestory.study.config_tables import (
+    InputFile,
+    Named,
+    NamedFile,
+    Place,
+    require_rule,
+)
 
 
 class LuminaireTable(NamedFile):

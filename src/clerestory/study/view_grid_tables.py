@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from clerestory.study.config_tables import InputFile, Named, require_rule
+from clerestory.study.config_tables import InputFile, Named, Place, require_rule
 
 # Largest number of positions of a view grid; each takes about a minute
 MOST_POSITIONS = 10_000
@@ -14,8 +14,6 @@ MOST_POSITIONS = 10_000
 SEATED = 1.2
 
 _FULL_TURN = 360
-
-Place = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 def _directions(value: Any) -> Any:

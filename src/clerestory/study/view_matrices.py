@@ -137,16 +137,25 @@ def _combinations(
 
 def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
     """Return the pixel matrices of all views, from the cache if possible."""
-    return tuple(
-        trace_view(job, matrices, table, camera)
-        for table, camera in zip(job.study.view, job.inputs.cameras, strict=True)
-    )
+    found: list[ViewMatrices] = []
+    for table, camera in zip(job.study.view, job.inputs.cameras, strict=True):
+        like = found[0] if found else None
+        found.append(trace_view(job, matrices, table, camera, like=like))
+    return tuple(found)
 
 
 def trace_view(
-    job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
+    job: Job,
+    matrices: StudyMatrices,
+    table: ViewTable,
+    camera: Camera,
+    *,
+    like: ViewMatrices | None = None,
 ) -> ViewMatrices:
-    """Return the pixel matrices of a view, from the cache if possible."""
+    """Return the pixel matrices of a view, from the cache if possible.
+
+    `like` is another view of the study, whose tables of sunlight are used again.
+    """
     sunlit = any(term.part == "sun" for term in matrices.terms)
     views = _view_matrices(job, table, camera, reflected=sunlit)
     windows = receiving_matrices(
@@ -155,6 +164,7 @@ def trace_view(
         _paths(job, table, camera) if sunlit else None,
         None if matrices.suns is None else matrices.suns.directions,
         kind=np.float16,
+        like=like.windows if like and sunlit else None,
     )
     if isinstance(job.executor, Plan):
         # In a dry run, where copies of blank matrices would take memory

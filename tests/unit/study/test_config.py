@@ -6,6 +6,7 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.study.config import Study, read_study
+from clerestory.study.inputs import read_inputs
 
 
 def change(study_file, old, new):
@@ -123,6 +124,42 @@ WRONG = {
         '[[view]]\nfile = "room.rad"\npictures = ["13-01T12:00"]\n[weather]',
         "pictures",
         "13-01T12:00",
+    ),
+    "view without a name": (
+        "[weather]",
+        "[[view]]\nposition = [1, 1, 1.2]\ndirection = [0, -1, 0]\n[weather]",
+        "[[view]]",
+        '"position" without "name"; a name expected',
+    ),
+    "view without a direction": (
+        "[weather]",
+        '[[view]]\nname = "a"\nposition = [1, 1, 1.2]\n[weather]',
+        "[[view]]",
+        '"position" or "direction" without the other; both expected',
+    ),
+    "view in no direction": (
+        "[weather]",
+        '[[view]]\nname = "a"\nposition = [1, 1, 1]\ndirection = [0, 0, 0]\n[weather]',
+        "[[view]]",
+        '"direction" is zero; the direction of view expected',
+    ),
+    "view twice": (
+        "[weather]",
+        '[[view]]\nfile = "room.rad"\nposition = [1, 1, 1.2]\n[weather]',
+        "[[view]]",
+        'both "file" and "position"; one of them expected',
+    ),
+    "view of nothing": (
+        "[weather]",
+        "[[view]]\n[weather]",
+        "[[view]]",
+        'neither "file" nor "position"; one of them expected',
+    ),
+    "view of two coordinates": (
+        "[weather]",
+        '[[view]]\nname = "a"\nposition = [1, 1]\ndirection = [0, 1, 0]\n[weather]',
+        "position",
+        "position is [1, 1]; a list of at least 3 expected",
     ),
     "two-phase with a picture": (
         'method = "3-phase"',
@@ -306,6 +343,23 @@ def test_sunlight_needs_openings(study_file):
     assert "[sunlight] without a window" in str(complaint(study_file))
 
 
+SENSITIVITY = [
+    ("", "materials"),
+    ("materials = []", 'a list of names of materials, or "all"'),
+    ('materials = "every"', "all"),
+    ('materials = "all"\nstep = 0', "step"),
+    ('materials = "all"\nstep = 0.9', "step"),
+]
+
+
+@pytest.mark.parametrize(("text", "words"), SENSITIVITY)
+def test_sensitivity_needs_materials_and_a_step(study_file, text, words):
+    given = study_file.read_text()
+    study_file.write_text(f"{given}\n[sensitivity]\n{text}\n")
+    with pytest.raises(InputError, match=words):
+        read_study(study_file)
+
+
 ENERGY = '[energy]\nmodel = "office.idf"\n'
 WRONG_ENERGY = {
     "window": (
@@ -330,3 +384,21 @@ def test_energy_refers_to_tables_of_the_study(study_file, case):
     (study_file.parent / "office.idf").touch()
     study_file.write_text(f"{study_file.read_text()}\n{ENERGY}{table}")
     assert words in str(complaint(study_file))
+
+
+def test_a_view_has_a_position_and_a_direction_or_a_file(study_file):
+    """Both are the same fisheye view; one that looks up has +y at its top."""
+    line = "rvu -vta -vp 1 2 1.2 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180\n"
+    (study_file.parent / "seat.vf").write_text(line)
+    table = '[[view]]\nname = "{}"\nposition = [1, 2, 1.2]\ndirection = [0, {}]\n'
+    tables = table.format("a", "-2, 0") + table.format("up", "0, 1")
+    with study_file.open("a") as stream:
+        stream.write(f'\n{tables}\n[[view]]\nfile = "seat.vf"\n')
+    study = read_study(study_file)
+    assert [view.label for view in study.view] == ["a", "up", "seat"]
+    own, up, file = (camera.view for camera in read_inputs(study).cameras)
+    for name in ("kind", "horizontal", "vertical"):
+        assert getattr(own, name) == getattr(file, name)
+    for name in ("position", "direction", "up"):
+        assert getattr(own, name).tolist() == getattr(file, name).tolist()
+    assert up.up.tolist() == [0, 1, 0]

@@ -23,6 +23,10 @@ class Patterned(Material):
     def mirrored(self) -> float:
         return self.base.mirrored
 
+    @property
+    def lambertian(self) -> bool:
+        return self.base.lambertian
+
     def plugin(self) -> Plugin:
         base = self.base.plugin()
         return Plugin(base.name, {**base.parameters, "pattern": self.pattern})

@@ -69,6 +69,10 @@ class Plastic(Material):
     def mirrored(self) -> float:
         return smooth_specularity(self)
 
+    @property
+    def lambertian(self) -> bool:
+        return self.specularity == 0
+
     def plugin(self) -> Plugin:
         return Plugin("radiance_plastic", highlight_parameters(self))
 
@@ -93,6 +97,10 @@ class Metal(Material):
     @property
     def mirrored(self) -> float:
         return smooth_specularity(self) * float(np.mean(self.reflectance))
+
+    @property
+    def lambertian(self) -> bool:
+        return self.specularity == 0
 
     def plugin(self) -> Plugin:
         parameters = {"metallic": True, **highlight_parameters(self)}
