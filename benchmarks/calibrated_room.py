@@ -11,6 +11,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from duel import stamp
 from measured_room import ABOVE, STUDY, program
 
@@ -99,7 +100,7 @@ def page(facts: dict) -> str:
         untold=" and ".join(facts["told_by_the_prior"]) or "nothing",
         condition=facts["condition"],
         alike=", ".join(alike) or "none",
-        bias=[100 * value for value in whole["bias"]],
+        bias=[100 * value + 0.0 for value in np.round(whole["bias"], 2)],
         scatter=[100 * value for value in whole["cv_rmse"]],
     )
 

@@ -16,15 +16,9 @@ name = "desks"
 file = "desks.pts"
 
 [weather]
-from = "{first}"
-to = "{last}"
 from_hour = 8
 to_hour = 18
-
-[weather.clear_sky]
-latitude_deg = 40
-longitude_deg = 0
-utc_offset_hours = 0
+{weather}
 
 [sky]
 subdivision = 1
@@ -36,6 +30,15 @@ device = "cpu"
 
 {more}
 """
+
+# A year of clear skies
+CLEAR = """from = "{first}"
+to = "{last}"
+
+[weather.clear_sky]
+latitude_deg = 40
+longitude_deg = 0
+utc_offset_hours = 0"""
 
 # Corners of the surfaces of a room of 4 m by 5 m by 2.8 m; the south wall at y = 0 has
 # an opening of 2.4 m by 1.4 m
@@ -79,14 +82,19 @@ def write_room(
     last="06-22",
     samples=2000,
     more="",
+    weather="",
 ):
-    """Write scene, sensors and study; return the path of the study file."""
+    """Write scene, sensors and study; return the path of the study file.
+
+    `weather` are keys of the table [weather]; default: clear skies of some days.
+    """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "room.rad").write_text(scene_text(reflectances))
     (folder / "desks.pts").write_text(sensor_text())
     study = folder / "study.toml"
-    study.write_text(STUDY.format(first=first, last=last, samples=samples, more=more))
+    weather = weather or CLEAR.format(first=first, last=last)
+    study.write_text(STUDY.format(weather=weather, samples=samples, more=more))
     return study
 
 

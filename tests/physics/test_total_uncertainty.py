@@ -134,12 +134,8 @@ def test_years_of_weather_are_mixed(tmp_path):
 kind = "weather"
 files = ["two.wea"]
 """
-    file = write_room(tmp_path, more=uncertain((), 0.05, more=more))
-    text = file.read_text()
-    start = text.index("[weather]")
-    end = text.index("[sky]")
-    weather = '[weather]\nfile = "one.wea"\nfrom_hour = 8\nto_hour = 18\n\n'
-    file.write_text(text[:start] + weather + text[end:])
+    weather = 'file = "one.wea"'
+    file = write_room(tmp_path, more=uncertain((), 0.05, more=more), weather=weather)
     data = run_study(read_study(file), out=tmp_path / "out").data
     value, mean, spread = (
         float(data[f"known_figure_{part}"][0])

@@ -1,8 +1,9 @@
 """Sums of the derivatives of a matrix, beside the sums of the matrix.
 
 Each row has *places*: the batches of the matrix, the batches of the derivative by each
-parameter, and one for each pair of parameters, whose second derivatives have no
-standard errors. The sums are those of logarithmic derivatives, as signed integers.
+parameter, and one for each pair of parameters. Second derivatives have no standard
+errors, and are summed over a quarter of the batches. The sums are those of logarithmic
+derivatives, as signed integers.
 """
 
 from dataclasses import dataclass, replace
@@ -29,6 +30,11 @@ class Places:
         """Number of places."""
         pairs = len(pair_indices(self.parameters))
         return self.batches * (1 + self.parameters) + pairs
+
+    @property
+    def of_pairs(self) -> int:
+        """Number of batches that are summed in second derivatives."""
+        return max(1, self.batches // 4)
 
     @property
     def unit_of_first(self) -> float:
@@ -65,7 +71,7 @@ def derivatives_of(
         if found.components is not None:
             parts.append(found.components / np.float32(value))
     last = slice(batches * (1 + count), None)
-    pairs = _signed(sums, last, _SECOND).means() / batches
+    pairs = _signed(sums, last, _SECOND).means() / Places(batches, count).of_pairs
     scale = np.array([theta[i] * theta[j] for i, j in pair_indices(count)])
     second = np.moveaxis(pairs, (1, 3), (0, 1)) / scale[:, None, None, None]
     deviations = np.stack(parts, axis=1) if parts else None

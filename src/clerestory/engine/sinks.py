@@ -95,6 +95,7 @@ class DerivativeSink(MatrixSink):
         other = dr.maximum(scores.one, scores.other)
         pairs = 0.5 * scores.count * (scores.count - 1)
         pairs *= dr.select(one == other, mi.Float(2), mi.Float(1))
+        active = active & (self.batch < places.of_pairs)
         both = active & (scores.count > 1)
         second = places.unit_of_second * pairs
         place = places.pair(one, other)

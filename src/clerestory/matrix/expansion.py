@@ -95,6 +95,8 @@ def expanded_illuminance(
         second = None
         if SECOND in data:
             second = data[SECOND][:, rows].values
+            all_pairs = len(pair_indices(len(theta)))
+            has_shape(second, (all_pairs, *second.shape[1:]), "second derivatives")
         value = data["illuminance"][rows].values
         first = data[FIRST][:, rows].values
         found = expanded(value, first, second, changes)
@@ -118,10 +120,12 @@ def labelled_derivatives(
     *,
     times: np.ndarray,
     parts: Int8[np.ndarray, "parameter sensor component time"] | None = None,
+    pairs: Sequence[tuple[int, int]] | None = None,
 ) -> "xr.Dataset":
     """Return derivatives of illuminance and their standard errors as a dataset.
 
-    `parts` are the error components in units of the standard error / 127.
+    `parts` are the error components in units of the standard error / 127; `pairs` are
+    the parameters of the second derivatives, by default all pairs.
     """
     axes, unit = ("parameter", "sensor", "time"), {"units": "lux per unit"}
     values = [parameter.value for parameter in parameters]
@@ -142,7 +146,7 @@ def labelled_derivatives(
         how = {"units": f"standard error / {UNIT}"}
         data[FIRST_PARTS] = axes_of_parts, parts, how
     if second is not None:
-        pairs = pair_indices(len(names))
+        pairs = pair_indices(len(names)) if pairs is None else pairs
         data[SECOND] = ("pair", *axes[1:]), second, {"units": "lux per unit squared"}
         data["pair_first"] = "pair", [names[i] for i, _ in pairs]
         data["pair_second"] = "pair", [names[j] for _, j in pairs]

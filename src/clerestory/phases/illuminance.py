@@ -44,6 +44,7 @@ def illuminance(
     file: Path | None = None,
     progress: Progress | None = None,
     recent: RecentValues | None = None,
+    errors: bool = True,
 ) -> xr.Dataset:
     """Illuminance [lux] of sensors over time, with its standard error, as float32.
 
@@ -53,6 +54,7 @@ def illuminance(
     weights : weights of the bands; default: luminous efficacy
     file : NetCDF file for the hourly values; by default they are kept in memory
     recent : products D S that several simulations have in common
+    errors : whether to compute standard errors; otherwise they are zero
 
     Returns
     -------
@@ -71,6 +73,7 @@ def illuminance(
         states,
         (equation_bands(windows, skies).weights if weights is None else weights)[None],
         axis.size,
+        errors=errors,
         recent=recent or RecentValues(),
     )
     names = ["illuminance", "standard_error"]

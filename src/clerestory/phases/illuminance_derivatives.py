@@ -7,6 +7,7 @@ derivative (product rule). Derivatives of V are further receivers of one product
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -60,7 +61,7 @@ def illuminance_derivatives(
     states: States | None = None,
     *,
     weights: Float[np.ndarray, " band"] | None = None,
-    second: bool = True,
+    second: Literal["all", "own", "none"] = "all",
 ) -> xr.Dataset:
     """Derivatives of the illuminance of sensors by parameters of materials.
 
@@ -68,7 +69,8 @@ def illuminance_derivatives(
 
     Parameters
     ----------
-    second : whether to compute second derivatives as well
+    second : second derivatives to compute: by all pairs of parameters, or by each
+        parameter alone
 
     Returns
     -------
@@ -86,31 +88,26 @@ def illuminance_derivatives(
         message = "no matrix has derivatives; matrices traced with `derivatives`"
         raise MatrixError(f"{message} expected")
     names = [parameter.name for parameter in parameters]
-    pairs = [(names[i], names[j]) for i, j in pair_indices(len(names))]
     product = _Products(windows, terms, skies, states, weights, RecentValues())
 
     # Receivers that are derivatives, each with the undifferentiated factors
     total = product.of([(name,) for name in names], ())
-    of_pairs = product.of(pairs, (), errors=False).values if second else None
-    for name in names:
-        if not product.varies((name,)):
-            continue
-        found = product.of([(), *((other,) for other in names)], (name,))
-        total.add(names.index(name), found, 0)
-        if of_pairs is not None:
-            for number, pair in enumerate(pairs):
-                for own, other in (pair, pair[::-1]):
-                    if own == name:
-                        of_pairs[number] += found.values[1 + names.index(other)]
-    if of_pairs is not None:
-        for number, pair in enumerate(pairs):
-            if product.varies(pair):
-                of_pairs[number] += product.of([()], pair, errors=False).values[0]
+    for number, name in enumerate(names):
+        if product.varies((name,)):
+            total.add(number, product.of([()], (name,)), 0)
+    pairs = {"all": pair_indices(len(names)), "none": []}.get(
+        second, [(i, i) for i in range(len(names))]
+    )
     parts = [compressed(each.transpose(1, 0, 2)) for each in total.parts]
     return labelled_derivatives(
-        parameters, total.values, total.error, of_pairs, times=skies.times,
+        parameters,
+        total.values,
+        total.error,
+        product.of_pairs([(names[i], names[j]) for i, j in pairs]) if pairs else None,
+        times=skies.times,
         parts=np.stack(parts),
-    )  # fmt: skip
+        pairs=pairs,
+    )
 
 
 @dataclass(eq=False)
@@ -136,6 +133,19 @@ class _Products:
     weights: Float[np.ndarray, " band"] | None
     recent: RecentValues
 
+    def of_pairs(
+        self, pairs: Sequence[tuple[str, str]]
+    ) -> Float[np.ndarray, "pair sensor time"]:
+        """Return the second derivatives by pairs of parameters."""
+        found = self.of(pairs, (), errors=False).values
+        for number, pair in enumerate(pairs):
+            for own, other in (pair, pair[::-1]):
+                if self.varies((own,)):
+                    found[number] += self.of([(other,)], (own,), errors=False).values[0]
+            if self.varies(pair):
+                found[number] += self.of([()], pair, errors=False).values[0]
+        return found
+
     def varies(self, order: _Order) -> bool:
         """Whether a derivative of T, F or D is not zero."""
         return any(
@@ -160,7 +170,7 @@ class _Products:
         windows = [self._window(w, terms, receiving, factors) for w in self.windows]
         found = illuminance(
             windows, terms, self.skies, self.states, weights=self.weights,
-            recent=self.recent,
+            recent=self.recent, errors=errors,
         )  # fmt: skip
         lux = found["illuminance"].values.reshape(shape)
         error = found["standard_error"].values.reshape(shape)

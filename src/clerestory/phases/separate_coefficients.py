@@ -19,13 +19,16 @@ from clerestory.engine.matrix_jobs import CoefficientsJob
 from clerestory.engine.sums import Estimate
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
 from clerestory.matrix.axis import Axis, sky_axis
+from clerestory.matrix.derivatives import Derivatives
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.traced_matrices import (
+    Differentiated,
     matrix_effort,
     require_sensors,
     sensors_axis,
     warn_if_short,
 )
+from clerestory.scene.material_parameters import material_parameters
 from clerestory.scene.model import BsdfSurface, Scene
 from clerestory.scene.sensors import Sensors
 
@@ -36,6 +39,7 @@ def separate_coefficients(
     sensors: Sensors,
     subdivision: int = 4,
     windows: tuple[str, ...] = (),
+    derivatives: Differentiated = (),
     **keywords: Unpack[EffortKeywords],
 ) -> tuple[TransferMatrix, TransferMatrix]:
     """Return C and C_d: irradiance of sensors per radiance of sky patches [sr].
@@ -61,6 +65,7 @@ def separate_coefficients(
         sensors=sensors,
         separate=True,
         windows=windows,
+        derivatives=material_parameters(scene, derivatives),
         **effort.job_options(),
     )
     estimated = estimate(job, effort)
@@ -86,8 +91,27 @@ def all_and_direct(
     components = direct_components = None
     if estimated.components is not None:
         components, direct_components = _summed(estimated.components, blank=blank)
-    C = TransferMatrix(values, rows, columns, components, bands)
-    return C, TransferMatrix(direct, rows, columns, direct_components, bands)
+    whole, of_direct = _summed_derivatives(estimated.derivatives, blank=blank)
+    C = TransferMatrix(values, rows, columns, components, bands, whole)
+    return C, TransferMatrix(direct, rows, columns, direct_components, bands, of_direct)
+
+
+def _summed_derivatives(
+    derivatives: Derivatives | None, *, blank: bool
+) -> tuple[Derivatives | None, Derivatives | None]:
+    # Derivatives of all light, and of direct light
+    if derivatives is None:
+        return None, None
+    first, second = (
+        _summed(each, blank=blank) for each in (derivatives.first, derivatives.second)
+    )
+    parts = derivatives.components
+    components = (None, None) if parts is None else _summed(parts, blank=blank)
+    whole, direct = (
+        Derivatives(derivatives.parameters, *each)
+        for each in zip(first, second, components, strict=True)
+    )
+    return whole, direct
 
 
 def _summed(columns: np.ndarray, *, blank: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -33,6 +33,7 @@ from clerestory.report.page_assets import asset, render_page
 from clerestory.report.picture_strip import pictures_section
 from clerestory.report.plan_section import plans_section
 from clerestory.report.section import Section
+from clerestory.report.sensitivity_section import sensitivity_section
 from clerestory.report.sunlight import sunlight_section
 from clerestory.report.view_glare import glare_section
 from clerestory.report.view_grids import view_grids_section
@@ -95,6 +96,7 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("glare", "Glare", glare_section),
     ("view-grids", "Glare at every position", view_grids_section),
     ("sunlight", "Sunlight", sunlight_section),
+    ("sensitivity", "Sensitivity", sensitivity_section),
     ("lamps", "Electric light", lamps_section),
     ("energy", "Energy", energy_section),
     ("equation", "Direct correction", equation_section),

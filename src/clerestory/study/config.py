@@ -26,6 +26,7 @@ from clerestory.study.energy_tables import EnergyTable
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.optimise_tables import OptimiseTable
 from clerestory.study.report_tables import ReportTable
+from clerestory.study.sensitivity_table import SensitivityTable
 from clerestory.study.table_names import require_names
 from clerestory.study.uncertainty_tables import UncertaintyTable
 from clerestory.study.view_grid_tables import ViewGridTable
@@ -82,6 +83,9 @@ class Study(Table):
     space: Annotated[list[SpaceTable], Distinct] = Field([])
     compliance: ComplianceTable | None = Field(None, description="a table [compliance]")
     energy: EnergyTable | None = Field(None, description="a table [energy]")
+    sensitivity: SensitivityTable | None = Field(
+        None, description="a table [sensitivity]"
+    )
     uncertainty: UncertaintyTable | None = Field(
         None, description="a table [uncertainty]"
     )

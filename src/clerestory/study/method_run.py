@@ -52,6 +52,7 @@ from clerestory.study.light_spectra import light_spectra
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
+from clerestory.study.sensitivity_results import sensitivity_results
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
@@ -199,6 +200,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
     with log.phase("metrics"):
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
         parts += _melanopic(matrices, signals, acts.states)
+        parts.append(sensitivity_results(signals, acts.states, hourly))
         parts.append(light_spectra(signals, acts.states, hourly["illuminance"]))
         parts.append(results_by_state(signals))
         data = label_results(hourly, parts, signals, acts)

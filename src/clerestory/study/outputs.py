@@ -85,6 +85,8 @@ def write_tables(study: Study, results: Results, out: Path) -> None:
             write_requirements(results, out / "requirements.csv")
         if "dimming" in results.data:
             write_lighting(results, out / "lighting.csv")
+        if "sensitivity" in results.data:
+            write_sensitivity(results, out / "sensitivity.csv")
         if "energy" in results.data:
             write_energy(results, out / "energy.csv")
         for grid, stem in file_stems(view_grids(results)).items():
@@ -181,6 +183,37 @@ def write_compliance(results: Results, path: str | Path) -> None:
     ]
     head = "standard,space,area [m2],criterion,verdict,level,level standard error"
     head += ",quantity,value,standard error,unit,limits"
+    _write_lines(path, [head, *(csv_line(row) for row in rows)])
+
+
+def write_sensitivity(results: Results, path: str | Path) -> None:
+    """Write the change of each metric for a change of each material, line by line."""
+    data = results.data
+    sizes = data["sensitivity"].sizes
+    rows = []
+    for index in np.ndindex(*sizes.values()):
+        at = dict(zip(sizes, index, strict=True))
+        one = data.isel(at)
+        numbers = (
+            float(one[name])
+            for name in (
+                "sensitivity_value",
+                "sensitivity_step",
+                "sensitivity_base",
+                "sensitivity",
+                "sensitivity_error",
+            )
+        )
+        names = (one["parameter"], one["sensitivity_quantity"])
+        words = (one["place"], one["figure"], one["sensitivity_unit"])
+        rows.append(
+            [
+                *(str(each.values) for each in (*names, *words)),
+                *(f"{number:.6g}" for number in numbers),
+            ]
+        )
+    head = "material,quantity,grid,metric,unit,value,step,metric now,change"
+    head += ",standard error of the change"
     _write_lines(path, [head, *(csv_line(row) for row in rows)])
 
 

@@ -70,6 +70,12 @@ _NUMBERS = {
     "grid_view_exceeded_dgp_by_state": ("shade_state", "grid_view"),
     "glare_dgp_by_state": ("view", "shade_state", "time"),
     "dgp_limit": ("dgp_limit",),
+    **dict.fromkeys(
+        ("sensitivity", "sensitivity_error"), ("parameter", "change", "figure", "place")
+    ),
+    "sensitivity_base": ("figure", "place"),
+    "sensitivity_step": ("parameter", "change"),
+    "sensitivity_value": ("parameter",),
 }
 _OF_VERDICTS = ("standard", "space", "criterion", "words", "levels")
 _OF_QUANTITIES = ("standard", "space", "criterion", "name", "unit", "limits")
@@ -95,6 +101,11 @@ _NAMES = {
     "grid_view": ("grid_view",),
     "view_grid": ("grid_view",),
     "view_grid_name": ("view_grid_name",),
+    **dict.fromkeys(("parameter", "sensitivity_quantity"), ("parameter",)),
+    "change": ("change",),
+    "figure": ("figure",),
+    "sensitivity_unit": ("figure",),
+    "place": ("place",),
 }
 _TIMES = {"time": ("time",), "moment": ("moment",)}
 _KINDS: Mapping[str, Mapping[str, tuple[str, ...]]] = {

@@ -125,6 +125,7 @@ def _traced(
             sensors=sensors,
             subdivision=subdivision,
             windows=windows,
+            **job.differentiated,
         )
         return job.pair((name, f"direct-{name}"), both, effort, shown=shown)
     C, C_d = (

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -10,6 +11,7 @@ from jaxtyping import Int
 
 from clerestory.errors import InputError
 from clerestory.phases.illuminance import illuminance
+from clerestory.phases.illuminance_derivatives import illuminance_derivatives
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     Part,
@@ -61,6 +63,18 @@ class StudyMatrices:
             file=self.folder and self.folder / "illuminance.nc",
             progress=progress,
             recent=self.recent,
+        )
+
+    def illuminance_derivatives(
+        self,
+        skies: Skies,
+        states: States,
+        *,
+        second: Literal["all", "own", "none"] = "all",
+    ) -> xr.Dataset:
+        """Derivatives of the illuminance by parameters of materials."""
+        return illuminance_derivatives(
+            self.windows, self.terms, skies, states, second=second
         )
 
     def melanopic_edi(self, skies: Skies, states: States) -> xr.Dataset:

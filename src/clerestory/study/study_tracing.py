@@ -41,6 +41,7 @@ from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.spectral.band_sets import band_set
 from clerestory.study.config import Study
+from clerestory.study.differentiated_materials import checked_materials
 from clerestory.study.inputs import Inputs
 from clerestory.study.job import STATE, Job
 from clerestory.study.memory_size import is_stored, most_sensors
@@ -144,6 +145,7 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
             f'rule "LM-83" with the {study.method} method requires direct light;'
             ' [sun] places = "exact" expected'
         )
+    job = replace(job, derivatives=checked_materials(study, job.scene, stored=stored))
     weather = job.inputs.weather
     tables = study.sun.model_dump(), study.sky.model_dump(), study.scene.bands
     suns = job.recent.value(

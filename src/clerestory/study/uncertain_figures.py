@@ -20,6 +20,9 @@ from clerestory.metrics.spatial_metrics import (
 from clerestory.metrics.standards import standards_named
 from clerestory.uncertainty.expansion import Expansion
 
+# Number of figures of light of a grid, of which the first is the mean illuminance
+FIGURES = 5
+
 # Numbers that round to the same share of the hours
 _ROUNDING = 1e-9
 

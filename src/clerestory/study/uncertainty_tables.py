@@ -92,7 +92,8 @@ class UnknownTable(Named):
     def label(self) -> str:
         """Name of the quantity, by default what it is of, and its kind."""
         of = self.material or self.window or self.grid
-        return self.name or " ".join(filter(None, (of, self.kind)))
+        kind = self.kind.replace("bsdf", "BSDF")
+        return self.name or " ".join(filter(None, (of, kind)))
 
     @property
     def shape(self) -> str:

@@ -5,14 +5,15 @@ deviations, with the distributions of the quantities as priors. Near the optimum
 model is linear, and the posterior is normal: its covariance is the inverse of the
 curvature, cut to the bounds. The relative error of the measurements is estimated from
 the residuals. Residuals of one time step or one sensor are often alike; the design
-effect of such clusters widens the posterior.
+effect of such clusters widens the posterior. If few independent values are left, it
+has the variance of Student's t.
 
 References: A. Tarantola, Inverse Problem Theory, 2005, chapter 3; L. Kish, Survey
-Sampling, 1965 (design effect).
+Sampling, 1965 (design effect); A. Gelman et al., Bayesian Data Analysis, 2013, 14.2.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -152,7 +153,11 @@ def calibrate(
         same = np.allclose(before[0], values, rtol=1e-6)
         if same and abs(before[1] / (error * np.sqrt(effect)) - 1) < 1e-4:
             break
-    return _posterior(predict, unknowns, values, error, effect)
+    found = _posterior(predict, unknowns, values, error, effect)
+    if relative_error is not None:
+        return found
+    wider = _unknown_error(len(measured), effect, len(unknowns))
+    return replace(found, covariance=_cut(found.covariance * wider, unknowns))
 
 
 def profile(
@@ -252,11 +257,23 @@ def _posterior(
     informed = np.array([float(u.distribution.shape != "uniform") for u in unknowns])
     curvature = scaled.T @ scaled + np.diag(np.maximum(informed, 1e-6))
     covariance = np.linalg.inv(curvature) * np.outer(spread, spread)
-    limit = np.minimum(1.0, spread / np.sqrt(np.diag(covariance)))
-    covariance = covariance * np.outer(limit, limit)
+    covariance = _cut(covariance, unknowns)
     return Calibration(
         tuple(unknowns), values, covariance, error, effect, singular, combinations
     )
+
+
+def _cut(covariance: np.ndarray, unknowns: Sequence[Unknown]) -> np.ndarray:
+    # No deviation above that of the prior
+    spread = np.array([u.distribution.standard_deviation for u in unknowns])
+    limit = np.minimum(1.0, spread / np.sqrt(np.diag(covariance)))
+    return np.asarray(covariance * np.outer(limit, limit))
+
+
+def _unknown_error(count: int, effect: float, unknowns: int) -> float:
+    # Variance of Student's t, as the error is estimated from few independent values
+    freedom = max(count / effect - unknowns, 3.0)
+    return (freedom + unknowns) / freedom * freedom / (freedom - 2)
 
 
 def _scale(predicted: np.ndarray) -> np.ndarray:

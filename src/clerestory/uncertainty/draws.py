@@ -80,6 +80,12 @@ class Draws:
         return np.concatenate([self.first, self.second])
 
     @property
+    def alternating(self) -> Float[np.ndarray, "both unknown"]:
+        """Draws of A and B in turn."""
+        both = np.stack([self.first, self.second], axis=1)
+        return both.reshape(-1, len(self.names))
+
+    @property
     def labels(self) -> tuple[str, ...]:
         """Name of each group."""
         return tuple(" + ".join(self.names[k] for k in own) for own in self.groups)

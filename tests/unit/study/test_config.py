@@ -343,6 +343,23 @@ def test_sunlight_needs_openings(study_file):
     assert "[sunlight] without a window" in str(complaint(study_file))
 
 
+SENSITIVITY = [
+    ("", "materials"),
+    ("materials = []", 'a list of names of materials, or "all"'),
+    ('materials = "every"', "all"),
+    ('materials = "all"\nstep = 0', "step"),
+    ('materials = "all"\nstep = 0.9', "step"),
+]
+
+
+@pytest.mark.parametrize(("text", "words"), SENSITIVITY)
+def test_sensitivity_needs_materials_and_a_step(study_file, text, words):
+    given = study_file.read_text()
+    study_file.write_text(f"{given}\n[sensitivity]\n{text}\n")
+    with pytest.raises(InputError, match=words):
+        read_study(study_file)
+
+
 ENERGY = '[energy]\nmodel = "office.idf"\n'
 WRONG_ENERGY = {
     "window": (

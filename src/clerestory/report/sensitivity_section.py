@@ -1,0 +1,180 @@
+"""Sensitivity of the metrics to materials: tornado plots and a table."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from clerestory.report.content import ReportContent
+from clerestory.report.markup import Markup, drawing, element, render
+from clerestory.report.section import Section
+from clerestory.report.uncertain_value import Figure, number
+
+_LESS, _MORE, _INK = "#2f6f9f", "#d9a521", "#4a463e"
+
+# Size of the drawings: width, width of the names, height of a row
+_WIDTH, _NAMES, _ROW, _FOOT = 620.0, 150.0, 26.0, 24.0
+
+# Largest number of materials in a drawing
+_MOST = 20
+
+# Largest number of letters of a name
+_LETTERS = 22
+
+
+class _Line(NamedTuple):
+    # Row of the table
+    material: str
+    present: str
+    changes: list[tuple[str, str]]
+
+
+def sensitivity_section(content: ReportContent) -> Section:
+    """Return the section on sensitivity; empty if the study did not ask for it."""
+    data = content.data
+    if "sensitivity" not in data:
+        return Section()
+    places = [str(place) for place in data["place"].values]
+    parts = [(place, _figures(data.sel(place=place))) for place in places]
+    return Section(
+        render(
+            "sensitivity.html",
+            heads=[_head(data, str(name)) for name in data["figure"].values],
+            parts=parts,
+            several=len(parts) > 1,
+            lines=[(place, _lines(data.sel(place=place))) for place in places],
+            example=_example(data),
+            keys=((_MORE, "lighter or clearer"), (_LESS, "darker or less clear")),
+        )
+    )
+
+
+def _head(data: xr.Dataset, name: str) -> str:
+    unit = str(data["sensitivity_unit"].sel(figure=name).values)
+    return f"{name} [{'points' if unit == '%' else unit}]"
+
+
+def _figures(data: xr.Dataset) -> list[tuple[str, Markup]]:
+    # A tornado plot of each metric that changes
+    found = []
+    for name in data["figure"].values.tolist():
+        one = data.sel(figure=name)
+        if np.any(one["sensitivity"].values):
+            unit = _unit(one)
+            base = number(float(one["sensitivity_base"]))
+            sign = "%" if unit == "points" else unit
+            found.append((f"{name}, now {base} {sign}", _tornado(one, unit)))
+    return found
+
+
+def _unit(data: xr.Dataset) -> str:
+    unit = str(data["sensitivity_unit"].values)
+    return "points" if unit == "%" else unit
+
+
+def _tornado(data: xr.Dataset, unit: str) -> Markup:
+    # Bars of both changes by material, the largest first
+    change, error = data["sensitivity"].values, data["sensitivity_error"].values
+    order = np.argsort(-np.abs(change).max(axis=1), kind="stable")[:_MOST]
+    reach = max(float((np.abs(change) + error)[order].max()), 1e-9)
+    middle = _NAMES + (_WIDTH - _NAMES) / 2
+    scale = (_WIDTH - _NAMES) / 2 / reach * 0.94
+    names = [str(name) for name in data["parameter"].values]
+    marks = list[Markup]()
+    for row, index in enumerate(order.tolist()):
+        y = row * _ROW
+        label = names[index]
+        shown = label if len(label) <= _LETTERS else f"{label[: _LETTERS - 1]}…"
+        place = {"x": f"{_NAMES - 8:.0f}", "y": f"{y + 17:.1f}", "text_anchor": "end"}
+        marks.append(element("text", shown, **place))
+        for side, colour in enumerate((_LESS, _MORE)):
+            value, spread = float(change[index, side]), float(error[index, side])
+            wide = abs(value) * scale
+            left = middle if value >= 0 else middle - wide
+            words = f"{label}: {_signed(value, spread, unit)}"
+            marks.append(
+                element(
+                    "rect",
+                    element("title", words),
+                    x=f"{left:.1f}",
+                    y=f"{y + 4:.1f}",
+                    width=f"{wide:.1f}",
+                    height=_ROW - 8,
+                    fill=colour,
+                )
+            )
+            end, high = middle + value * scale, y + _ROW / 2
+            whisker = f"M{end - spread * scale:.1f},{high:.1f}h{2 * spread * scale:.1f}"
+            marks.append(element("path", d=whisker, stroke=_INK, stroke_width=1.4))
+    tall = len(order) * _ROW
+    marks.append(element("path", d=f"M{middle:.1f},0V{tall}", stroke=_INK))
+    marks += _axis(reach, middle, scale, tall, unit)
+    label = "Change of the metric by material: " + "; ".join(
+        f"{names[k]} {_signed(float(change[k, 1]), float(error[k, 1]), unit)}"
+        for k in order.tolist()
+    )
+    return drawing(label, *marks, width=_WIDTH, height=tall + _FOOT)
+
+
+def _axis(
+    reach: float, middle: float, scale: float, tall: float, unit: str
+) -> list[Markup]:
+    # Numbers at the ends and in the middle of the axis
+    power = 10.0 ** np.floor(np.log10(reach))
+    step = next(m * power for m in (5, 2, 1) if m * power <= reach)
+    return [
+        element(
+            "text",
+            f"{value:+g} {unit}" if value else "0",
+            x=f"{middle + value * scale:.1f}",
+            y=tall + 17,
+            text_anchor="middle",
+        )
+        for value in (-step, 0.0, step)
+    ]
+
+
+def _lines(data: xr.Dataset) -> list[_Line]:
+    found = []
+    for name in data["parameter"].values.tolist():
+        one = data.sel(parameter=name)
+        quantity = str(one["sensitivity_quantity"].values)
+        present = f"{quantity} {float(one['sensitivity_value']):.3g}"
+        changes = []
+        for figure in one["figure"].values.tolist():
+            here = one.sel(figure=figure)
+            low, high = (
+                _signed(float(value), float(error), "")
+                for value, error in zip(
+                    here["sensitivity"].values,
+                    here["sensitivity_error"].values,
+                    strict=True,
+                )
+            )
+            changes.append((low, high))
+        found.append(_Line(name, present, changes))
+    return found
+
+
+def _signed(value: float, error: float, unit: str) -> str:
+    text = str(Figure(value, error, unit)).strip()
+    return f"+{text}" if value > 0 else text
+
+
+def _example(data: xr.Dataset) -> str:
+    # The material with the largest effect in words
+    place = str(data["place"].values[0])
+    of = data.sel(place=place)
+    name = "spatial autonomy"
+    if not np.any(of["sensitivity"].sel(figure=name).values):
+        name = "mean illuminance"
+    one = of.sel(figure=name)
+    largest = int(np.argmax(np.abs(one["sensitivity"].values[:, 1])))
+    step = float(one["sensitivity_step"].values[largest, 1])
+    change = _signed(
+        float(one["sensitivity"].values[largest, 1]),
+        float(one["sensitivity_error"].values[largest, 1]),
+        _unit(one),
+    )
+    material = str(one["parameter"].values[largest])
+    return f"{step:+.2g} on {material}: {name} of {place} {change}"

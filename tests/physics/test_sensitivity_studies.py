@@ -1,0 +1,101 @@
+"""Sensitivities of whole studies against studies with other materials."""
+
+import csv
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.errors import InputError
+from clerestory.hemisphere.klems import klems
+from clerestory.report.page import write_report
+from clerestory.study.config import read_study
+from clerestory.study.study_run import run_study
+
+ROOM = Path(__file__).parents[1] / "cli" / "room"
+STEP = 0.1
+GREY = ".5 .5 .5"
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Files of the room of ten polygons behind a diffuser."""
+    folder = tmp_path / "study"
+    shutil.copytree(ROOM, folder)
+    write_bsdf(folder / "diffuser.xml", lambertian(0.5, klems("quarter")))
+    return folder
+
+
+def run(folder, out, *, method="3-phase", reflectance=None, seed=1, table=""):
+    """Results of the study, with another reflectance of the grey surfaces."""
+    text = (ROOM / "study.toml").read_text()
+    text = text.replace('"3-phase"', f'"{method}"').replace(
+        "seed = 7", f"seed = {seed}"
+    )
+    text = text.replace("samples = 256", "samples = 16384")
+    (folder / "study.toml").write_text(f"{text}\n{table}")
+    scene = (ROOM / "room.rad").read_text()
+    if reflectance is not None:
+        grey = " ".join([f"{reflectance:g}"] * 3)
+        first, rest = scene.split("plastic grey", 1)
+        numbers = rest.split("\n", 4)
+        numbers[3] = f"5 {grey} 0 0"
+        scene = f"{first}plastic grey" + "\n".join(numbers)
+    (folder / "room.rad").write_text(scene)
+    return run_study(read_study(folder / "study.toml"), out=out)
+
+
+@pytest.mark.parametrize(
+    "method",
+    [
+        "3-phase",
+        pytest.param("2-phase", marks=pytest.mark.slow),
+        pytest.param("5-phase", marks=pytest.mark.slow),
+    ],
+)
+def test_changes_are_those_of_studies_with_other_walls(files, tmp_path, method):
+    """Second order is exact within a hundredth of the change here."""
+    table = f'[sensitivity]\nmaterials = "all"\nstep = {STEP}\n'
+    found = run(files, tmp_path / "a", method=method, table=table)
+    data = found.data.sel(parameter="grey", figure="mean illuminance")
+    value = float(data["sensitivity_value"])
+    for side, sign in (("less", -1), ("more", 1)):
+        other = run(
+            files, tmp_path / side, method=method, reflectance=value + sign * STEP,
+            seed=2 + sign,
+        ).data  # fmt: skip
+        hours = other["occupied"].values.astype(bool)
+        for place in data["place"].values.tolist():
+            one = data.sel(change=side, place=place)
+            here = other["grid"].values == place
+            mean = other["illuminance"].values[here][:, hours].mean()
+            spread = np.sqrt(
+                np.square(other["mean_illuminance_error"].values[here]).mean()
+            )
+            change = mean - float(one["sensitivity_base"])
+            both = 2 * spread + float(one["sensitivity_error"])
+            assert abs(float(one["sensitivity"]) - change) < 3 * both + 0.02 * abs(
+                change
+            )
+            assert np.sign(change) == sign
+
+
+def test_table_and_report_have_the_changes(files, tmp_path):
+    table = '[sensitivity]\nmaterials = ["grey"]\n'
+    found = run(files, tmp_path / "out", table=table)
+    with (tmp_path / "out" / "sensitivity.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert {row["material"] for row in rows} == {"grey"}
+    assert {row["step"] for row in rows} == {"0.05", "-0.05"}
+    write_report(found, tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    assert "Which material changes the result most" in page
+    assert "+0.05 on grey: mean illuminance of desk +" in page
+
+
+def test_an_unknown_material_is_named_before_tracing(files, tmp_path):
+    with pytest.raises(InputError, match=r"\[sensitivity\] materials: .*door"):
+        run(files, tmp_path, table='[sensitivity]\nmaterials = ["door"]\n')
