@@ -71,29 +71,36 @@ def _hourly(
     rows: Int[np.ndarray, " eye"],
     states: States,
 ) -> xr.Dataset:
-    matrices, skies = signals.matrices, signals.skies
-    product = BlockwiseProduct(
-        matrices.windows,
-        matrices.terms,
-        skies,
-        states,
-        quantities.weights(),
-        len(sensor_labels(signals.inputs)),
-        summed=True,
-        recent=matrices.recent,
-    )
+    # Time steps of equal shade states at once: products V T D S are then computed as
+    # (V T D) S, which takes fewer operations for few eyes
+    matrices, steps = signals.matrices, len(signals.times)
+    chosen = np.reshape([np.asarray(one) for one in states], (len(states), steps))
+    kinds, kind = np.unique(chosen, axis=1, return_inverse=True)
     held: dict[str, np.ndarray] = {}
-    for block in product.blocks():
-        chosen = np.flatnonzero((rows >= block.rows.start) & (rows < block.rows.stop))
-        if len(chosen) and len(block.steps):
-            _put(
-                held,
-                block,
-                rows[chosen] - block.rows.start,
-                chosen,
-                quantities,
-                shape=(len(rows), len(skies.times)),
-            )
+    for number, fixed in enumerate(kinds.T):
+        own = np.flatnonzero(kind.ravel() == number)
+        product = BlockwiseProduct(
+            matrices.windows,
+            matrices.terms,
+            signals.skies.select(own),
+            [np.full(len(own), state) for state in fixed],
+            np.eye(len(quantities.bands)),
+            len(sensor_labels(signals.inputs)),
+            summed=True,
+        )
+        for block in product.blocks():
+            inside = (rows >= block.rows.start) & (rows < block.rows.stop)
+            if inside.any() and len(block.steps):
+                eyes = np.flatnonzero(inside)
+                _put(
+                    held,
+                    block,
+                    rows[eyes] - block.rows.start,
+                    eyes,
+                    quantities,
+                    times=own[block.times.start + block.steps],
+                    shape=(len(rows), steps),
+                )
     return xr.Dataset({name: _variable(name, x) for name, x in held.items()})
 
 
@@ -104,14 +111,16 @@ def _put(
     eyes: Int[np.ndarray, " chosen"],
     quantities: SpectralQuantities,
     *,
+    times: Int[np.ndarray, " step"],
     shape: tuple[int, int],
 ) -> None:
     # Quantities of the eyes in a block, and their errors
-    light = block.terms[0][:, inside].astype(float)
-    parts = _components(block, inside)
+    weights = quantities.weights()
+    light = np.tensordot(weights, block.terms[0][:, inside].astype(float), axes=1)
+    parts = np.einsum("pb,kbes->kpes", weights, _components(block, inside))
     values, errors = quantities.values(light), quantities.errors(light, parts)
-    errors = {**errors, "edi": _edi_error(block, inside, len(quantities.receptors))}
-    times = block.times.start + block.steps
+    of_receptors = weights[: len(quantities.receptors)]
+    errors = {**errors, "edi": _edi_error(block, inside, of_receptors)}
     for ending, found in (("", values), ("_error", errors)):
         for name, one in found.items():
             whole = held.setdefault(
@@ -126,19 +135,21 @@ def _put(
 
 
 def _edi_error(
-    block: Block, inside: Int[np.ndarray, " chosen"], count: int
+    block: Block,
+    inside: Int[np.ndarray, " chosen"],
+    weights: Float[np.ndarray, "receptor band"],
 ) -> Float[np.ndarray, "receptor eye step"]:
     # Standard error of linear quantities, from all deviations, as of illuminance
-    square = np.zeros((count, len(inside), len(block.steps)))
+    square = np.zeros((len(weights), len(inside), len(block.steps)))
     for each in block.components:
-        own = each.values[:, :count][:, :, inside]
+        own = np.einsum("pb,kbes->kpes", weights, each.values[:, :, inside])
         square[..., each.steps] += np.square(own, dtype=float).sum(axis=0)
     return np.sqrt(square)
 
 
 def _components(
     block: Block, inside: Int[np.ndarray, " chosen"]
-) -> Float[np.ndarray, "component product eye step"]:
+) -> Float[np.ndarray, "component band eye step"]:
     # Deviations whose indices are equal modulo eight are added, as in other results
     first = block.terms[0][:, inside]
     total = np.zeros((_COMPONENTS, *first.shape))
