@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 import clerestory as cl
-from clerestory.study.method_run import RunLog
+from clerestory.study.run_log import RunLog
 from clerestory.study.run_plan import plan_study
 
 

@@ -18,9 +18,18 @@ from clerestory.energyplus.complex_fenestration import complex_fenestration
 from clerestory.energyplus.engine_run import AnnualRun, Output, simulate
 from clerestory.energyplus.input_objects import as_idf
 from clerestory.errors import InputError
+from clerestory.glare.dgp import simplified_dgp
 from clerestory.glazing.glazing_system import Gap, GlazingSystem
 from clerestory.glazing.stack import stack_layers
 from clerestory.hemisphere.klems import klems
+from clerestory.phases.matrix_store import MatrixStore
+from clerestory.progress import silent
+from clerestory.study.config import read_study
+from clerestory.study.energy_model import energy_model
+from clerestory.study.energy_simulation import run_building
+from clerestory.study.energy_solar import solar_radiation
+from clerestory.study.inputs import read_inputs
+from clerestory.study.job import Job
 from energy_models import BASIS, PANE, PLAIN, blind, office
 
 pytestmark = [
@@ -200,3 +209,111 @@ def test_errors_of_the_engine_are_its_own_message(folder, states):
     outputs = [Output(METERS[0], sum=True)]
     with pytest.raises(InputError, match=r"EnergyPlus: .*[Cc]onstruction.*SLAB"):
         simulate(AnnualRun(model, Path("weather.epw"), [], outputs))
+
+
+LIGHTS = "LightingLevel,100,,,0,0.4,0.2"
+EVERY = ("South", "East", "North", "West", "Floor", "Ceiling")
+GLARE_FREE = 'rule = "predictive"\neye_grid = "eye"\ndgp_below = 0.35'
+
+
+def predictive_study(solar):
+    """A study whose states are those of the construction, with predictive control."""
+    basis = klems("quarter")
+    for name, file in (("clear", "bright.xml"), ("blind", "dark.xml")):
+        light = stack_layers(SYSTEMS[name].layers, partition=basis)
+        write_bsdf(Path(file), light.bsdf)
+    text = STUDY.replace('rule = "schedule"\nfile = "states.csv"', GLARE_FREE)
+    text = text.replace("[[luminaire]]", '[[sensors]]\nfile = "eye.pts"\n[[luminaire]]')
+    text = text.replace("[energy]\n", f'[energy]\nsolar = "{solar}"\n')
+    Path("study.toml").write_text(text.replace("samples = 64", "samples = 256"))
+
+
+def test_prediction_saves_energy_within_the_glare_limit(folder):
+    """Heating, cooling and light by EnergyPlus itself, against both fixed states."""
+    predictive_study("matrices")
+    data = run()
+    uses = ["heating", "cooling", "lighting"]
+    found = float(data["annual_energy"].sel(energy_use=uses).sum())
+    fixed = data["fixed_state_energy"].sel(energy_use=uses).sum("energy_use")
+    assert found < 0.98 * float(fixed.min())
+    occupied = data["occupied"].values
+    eye = data["illuminance"].values[data["grid"].values == "eye"].max(axis=0)
+    closed = data["state"].values[0] == 1
+    glare = simplified_dgp(eye) > 0.35
+    # Where the open shade has glare, the other state is chosen
+    assert not (glare & occupied & ~closed).any()
+    assert float(data["zone_model_error"].sel(zone_model_figure="energy").max()) < 0.06
+    assert float(data["solar_balance"].max()) < 0.005
+    assert float(data["zone_closure"].min()) == pytest.approx(1, abs=0.02)
+    again = run()
+    np.testing.assert_array_equal(again["energy"], data["energy"])
+    assert main(["report", "results", "--quiet"]) == 0
+    page = Path("results/report.html").read_text()
+    for words in ("absorbed by layer 3", "kept by the room", "always in state 1"):
+        assert words in page
+
+
+def test_surfaces_absorb_the_given_radiation(folder, states):
+    """What EnergyPlus reports is what the matrices give, surface by surface."""
+    predictive_study("matrices")
+    week = "RunPeriod,Year,6,1,,6,7"
+    text = office("clear", states).replace("RunPeriod,Year,1,1,,12,31", week)
+    # Luminaires without light, which would be absorbed as solar radiation is
+    Path("office.idf").write_text(text.replace(LIGHTS, "LightingLevel,0,,,0,0.4,0.2"))
+    study = read_study("study.toml")
+    inputs = read_inputs(study)
+    job = Job(study, inputs, MatrixStore(Path("matrices")), silent)
+    model = energy_model(study, inputs)
+    hours = np.arange(8760)
+    chosen = {"south": (hours // 5) % 2}
+    solar = solar_radiation(job, model, chosen)
+    given = {a.key: a.values for a in solar.actuators}
+    surfaces = {"South": 9.0, "East": 15.0, "Floor": 20.0, "Ceiling": 20.0}
+    name = "Surface Inside Face Solar Radiation Heat Gain Rate"
+    outputs = [Output(name, surface) for surface in surfaces]
+    absorbed = "Surface Window Total Glazing Layers Absorbed Shortwave Radiation Rate"
+    values = run_building(
+        model, chosen, {}, [*outputs, Output(absorbed, "South Window")], solar=solar
+    )
+    (window,) = solar.windows
+    simulated = np.isfinite(values[0])
+    # EnergyPlus gives nothing in the part of an hour without sun
+    lit = simulated & (window.parts["incident"] > 20)
+    for row, (surface, area) in zip(values, surfaces.items(), strict=False):
+        expected = area * given[f"Solar on {surface}"]
+        assert expected[lit].mean() > 10
+        np.testing.assert_allclose(row[lit], expected[lit], rtol=0.02, atol=2.0)
+    layers = 3 * window.parts["absorbed"]
+    np.testing.assert_allclose(values[-1][lit], layers[lit], rtol=0.01, atol=1.0)
+
+    # Radiation into the zone is absorbed by surfaces and layers, or returned
+    areas = {s: 20.0 if s in ("Floor", "Ceiling") else 15.0 for s in EVERY}
+    areas |= {"North": 12.0, "South": 9.0}
+    kept = sum(areas[s] * given[f"Solar on {s}"] for s in EVERY)
+    inward = 3 * (window.parts["transmitted"] - window.parts["returned"])
+    front = window.parts["incident"] - window.parts["reflected"]
+    back = layers - 3 * (front - window.parts["transmitted"])
+    np.testing.assert_allclose(kept + back, inward, rtol=5e-3, atol=0.1)
+
+
+def test_a_killed_engine_is_one_line(folder, states, monkeypatch):
+    model = read_building_model("office.idf").objects
+    script = Path("killed.sh")
+    script.write_text("#!/bin/sh\nkill -9 $$\n")
+    script.chmod(0o755)
+    monkeypatch.setattr("sys.executable", str(script.resolve()))
+    job = AnnualRun(model, Path("weather.epw"), [], [], source="office.idf")
+    with pytest.raises(InputError, match=r"office\.idf.*ended with status -9"):
+        simulate(job)
+
+
+def test_windows_outside_the_study_are_one_line(folder, capsys):
+    predictive_study("matrices")
+    text = Path("office.idf").read_text()
+    second = "FenestrationSurface:Detailed,Door,Window,clear,South,,,,,4,\n"
+    second += "  3.2,0,2.5,3.2,0,1,3.8,0,1,3.8,0,2.5;\n"
+    Path("office.idf").write_text(text + second)
+    assert main(["run", "study.toml", "--out", "results", "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert 'zone "Office" has windows without [[energy.window]]: Door' in said

@@ -5,7 +5,7 @@ import warnings
 import pytest
 
 from clerestory.errors import ClerestoryWarning
-from clerestory.study.method_run import RunLog
+from clerestory.study.run_log import RunLog
 from clerestory.warning_log import WarningLog
 
 

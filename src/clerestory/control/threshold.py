@@ -5,12 +5,48 @@ number of consecutive time steps, and opens when the quantity was below the lowe
 threshold. Delays reduce the number of movements under partly cloudy skies.
 """
 
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.checks import one_of, positive, require, same_length
+
+
+@dataclass
+class ShadeStage:
+    """One stage of a shade, closed or open, moved step by step.
+
+    Attributes
+    ----------
+    close_above, open_below : upper and lower threshold
+    close_after, open_after : consecutive time steps beyond a threshold before the shade
+        moves
+    closed : whether the stage is closed
+    """
+
+    close_above: float
+    open_below: float
+    close_after: int = 1
+    open_after: int = 1
+    closed: bool = False
+    _run: int = 0
+
+    def __post_init__(self) -> None:
+        low, high = self.open_below, self.close_above
+        message = f"open_below is {low:g}; at most close_above = {high:g} expected"
+        require(low <= high, message)
+        positive((self.close_after, self.open_after), "delay in steps")
+
+    def move(self, value: float) -> bool:
+        """Return whether the stage is closed after a further value; NaN is ignored."""
+        closed = self.closed
+        beyond = value < self.open_below if closed else value > self.close_above
+        self._run = self._run + 1 if beyond else 0
+        if self._run >= (self.open_after if closed else self.close_after):
+            self.closed, self._run = not closed, 0
+        return self.closed
 
 
 def threshold_states(
@@ -39,21 +75,10 @@ def threshold_states(
     >>> threshold_states(lux, close_above=50, close_after=2).tolist()
     [0, 0, 0, 0, 0, 0]
     """
-    low = close_above if open_below is None else open_below
-    message = f"open_below is {low:g}; at most close_above = {close_above:g} expected"
-    require(low <= close_above, message)
-    positive((close_after, open_after), "delay in steps")
     one_of(start, "start", choices=(0, 1))
-    states = np.empty(len(quantity), dtype=int)
-    closed, run = bool(start), 0
-    above, below = quantity > close_above, quantity < low
-    for step in range(len(quantity)):
-        beyond = below[step] if closed else above[step]
-        run = run + 1 if beyond else 0
-        if run >= (open_after if closed else close_after):
-            closed, run = not closed, 0
-        states[step] = closed
-    return states
+    low = close_above if open_below is None else open_below
+    stage = ShadeStage(close_above, low, close_after, open_after, bool(start))
+    return np.array([stage.move(value) for value in quantity.tolist()], dtype=int)
 
 
 def staged_states(

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Vector
+from clerestory.array_types import Vector, Vertices
 from clerestory.checks import require
 from clerestory.energyplus.engine_run import convert_to_json
 from clerestory.files import is_file, read_text
 
-# Classes of windows whose corners the model gives
-_DETAILED = "FenestrationSurface:Detailed"
+# Class of windows whose corners the model gives
+WINDOW_CLASS = "FenestrationSurface:Detailed"
 
 # Numbers above this limit are no lengths or angles
 _LARGEST = 1e12
@@ -71,12 +71,13 @@ class BuildingModel:
         ------
         InputError : there is no `FenestrationSurface:Detailed` of that name
         """
-        found, one = self.find(name, _DETAILED)
+        found, one = self.find(name, WINDOW_CLASS)
         corners = self._corners(one)
-        message = f'{_DETAILED} "{found}" has {len(corners)} corners; 3 or 4 expected'
+        message = (
+            f'{WINDOW_CLASS} "{found}" has {len(corners)} corners; 3 or 4 expected'
+        )
         require(3 <= len(corners) <= 4, message, file=self.source)
-        edges = corners - corners[0]
-        normal = np.cross(edges[1:-1], edges[2:]).sum(axis=0) / 2
+        normal = self._outward(corners)
         area = float(np.linalg.norm(normal))
         require(area > 0, f'window "{found}" has no area', file=self.source)
         turn = np.radians(self._rotation_deg(one))
@@ -90,8 +91,10 @@ class BuildingModel:
             str(one.get("building_surface_name", "")), "BuildingSurface:Detailed"
         )[1]
         zone = str(wall.get("zone_name", ""))
-        multiplier = self._number(one, "multiplier", 1.0)
-        return ModelWindow(found, zone, area * multiplier, np.array(turned))
+        multiplier = self.number(one, "multiplier", 1.0)
+        unturned = normal / area
+        area *= multiplier
+        return ModelWindow(found, zone, area, np.array(turned), corners, unturned)
 
     def _rotation_deg(self, window: Object) -> float:
         # Rotation of relative coordinates, clockwise from north; world coordinates have
@@ -104,22 +107,53 @@ class BuildingModel:
             str(window.get("building_surface_name", "")), "BuildingSurface:Detailed"
         )[1]
         zone = self.find(str(wall.get("zone_name", "")), "Zone")[1]
-        return self._number(building, "north_axis") + self._number(
+        return self.number(building, "north_axis") + self.number(
             zone, "direction_of_relative_north"
         )
+
+    def polygon(self, name: str, surface: Object) -> tuple[Vertices, Vector]:
+        """Return corners of a `BuildingSurface:Detailed`, and its outward area vector.
+
+        Raises
+        ------
+        InputError : fewer than three corners, or no area
+        """
+        axes = [f"vertex_{axis}_coordinate" for axis in "xyz"]
+        given = surface.get("vertices", ())
+        corners = np.array([[self.number(c, a) for a in axes] for c in given])
+        message = f'surface "{name}" has {len(corners)} corners; 3 or more expected'
+        require(len(corners) >= 3, message, file=self.source)
+        outward = self._outward(corners)
+        message = f'surface "{name}" has no area'
+        require(np.linalg.norm(outward) > 0, message, file=self.source)
+        return corners, outward
+
+    def _outward(self, corners: Vertices) -> Vector:
+        # Area vector; corners are in counterclockwise order seen from outdoors, or not
+        rules = next(iter(self.of("GlobalGeometryRules").values()), {})
+        order = str(rules.get("vertex_entry_direction", "")).casefold()
+        edges = corners - corners[0]
+        area = np.cross(edges[1:-1], edges[2:]).sum(axis=0) / 2
+        return np.asarray(-area if order == "clockwise" else area)
 
     def _corners(self, one: Object) -> Float[np.ndarray, "corner 3"]:
         names = [
             [f"vertex_{k}_{axis}_coordinate" for axis in "xyz"] for k in range(1, 5)
         ]
         rows = [
-            [self._number(one, name) for name in row]
+            [self.number(one, name) for name in row]
             for row in names
             if all(name in one for name in row)
         ]
         return np.array(rows).reshape(-1, 3)
 
-    def _number(self, one: Object, name: str, default: float = 0.0) -> float:
+    def number(self, one: Object, name: str, default: float = 0.0) -> float:
+        """Return a number of an object, or a default.
+
+        Raises
+        ------
+        InputError : the value is no number, or too large
+        """
         value = one.get(name, default)
         sound = isinstance(value, int | float) and abs(value) < _LARGEST
         message = f"{name} is {str(value)[:40]!r}; a number expected"
@@ -129,12 +163,18 @@ class BuildingModel:
 
 @dataclass(frozen=True, eq=False)
 class ModelWindow:
-    """Window of a model: zone, area [m²], and outward normal (east, north, up)."""
+    """Window of a model: zone, area [m²], and outward normal (east, north, up).
+
+    `corners` are in the coordinates of the zone or of the world, as in the model [m];
+    `outward` is the outward normal in the same coordinates.
+    """
 
     name: str
     zone: str
     area: float
     normal: Vector
+    corners: Vertices
+    outward: Vector
 
 
 def read_building_model(path: str | Path) -> BuildingModel:

@@ -146,10 +146,12 @@ def _engine(
         except BaseException:
             child.kill()
             raise
-        if child.wait():
+        if status := child.wait():
             said.seek(0)
             last = said.read().strip().splitlines()[-1:]
-            raise InputError(_reason(folder) or "".join(last), file=source or None)
+            ended = f"EnergyPlus ended with status {status} and without a message"
+            text = _reason(folder) or "".join(last) or ended
+            raise InputError(text, file=source or None)
 
 
 def _reason(folder: Path) -> str:

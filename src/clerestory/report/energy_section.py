@@ -9,6 +9,7 @@ from jaxtyping import Float
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, drawing, element, render
 from clerestory.report.section import Section
+from clerestory.report.solar_flow import solar_drawing, solar_words
 from clerestory.report.uncertain_value import number
 
 _COLOURS = {
@@ -17,12 +18,10 @@ _COLOURS = {
     "lighting": "#d9a521",
     "equipment": "#8a8a8a",
 }
-_SUN = {"transmitted": "#e3b341", "absorbed": "#e0926f", "reflected": "#c9c4b8"}
 _MONTHS = "JFMAMJJASOND"
 
 # Size of the drawings, and margins of their axes
 _WIDTH, _HEIGHT, _LEFT, _FOOT, _TOP = 560.0, 180.0, 64.0, 22.0, 10.0
-_BAR = 26.0
 
 # Weeks that are drawn: title, first day of the year, counted from 0
 _WEEKS = (("A week of January", 14), ("A week of July", 195))
@@ -50,8 +49,10 @@ def energy_section(content: ReportContent) -> Section:
             rows=rows,
             comfort=_comfort(data),
             months=_months(data, uses),
-            sun=_sun(data),
-            sun_words=_sun_words(data),
+            sun=solar_drawing(data),
+            sun_words=solar_words(data),
+            fixed=_fixed(data),
+            checks=_checks(data),
             keys=[(use, _COLOURS[use]) for use in uses],
             weeks=[(title, drawn) for title, drawn in weeks if drawn],
         )
@@ -122,44 +123,43 @@ def _axis(top: float, unit: str) -> list[Markup]:
     return marks
 
 
-def _shares(data: xr.Dataset) -> dict[str, float]:
-    # Shares of the sun on all windows; what is neither transmitted nor absorbed is
-    # reflected
-    parts = data["annual_window_solar"].sum("energy_window")
-    kwh = dict(zip(parts["solar_part"].values.tolist(), parts.values, strict=True))
-    kwh = {name: float(value) for name, value in kwh.items()}
-    incident = max(kwh["incident"], 1e-9)
-    found = {name: kwh[name] / incident for name in ("transmitted", "absorbed")}
-    return found | {"reflected": max(1 - sum(found.values()), 0.0)}
+def _fixed(data: xr.Dataset) -> list[tuple[str, ...]]:
+    # Energy of this operation, and with each shade state at all hours
+    if "fixed_state_energy" not in data:
+        return []
+    uses = ["heating", "cooling", "lighting"]
+    rows = {"this study": data["annual_energy"].sel(energy_use=uses).values}
+    fixed = data["fixed_state_energy"].sel(energy_use=uses).values
+    rows |= {f"always in state {number}": row for number, row in enumerate(fixed)}
+    return [
+        (name, *(number(float(value)) for value in (*row, row.sum())))
+        for name, row in rows.items()
+    ]
 
 
-def _sun(data: xr.Dataset) -> Markup:
-    # One bar, divided into what is transmitted, absorbed and reflected
-    marks, x = list[Markup](), 0.0
-    for name, share in _shares(data).items():
-        wide = _WIDTH * share
-        marks.append(
-            element(
-                "rect",
-                x=f"{x:.1f}",
-                y=0,
-                width=f"{wide:.1f}",
-                height=_BAR,
-                fill=_SUN[name],
-            )
+def _checks(data: xr.Dataset) -> list[str]:
+    # Energy balance of windows, closure of zones, and errors of zone models
+    lines = []
+    if "solar_balance" in data:
+        lines.append(
+            "Reflected, absorbed and transmitted radiation differ from the radiation on"
+            f" a window by at most {100 * float(data['solar_balance'].max()):.2g} % in"
+            " any hour; before scaling, surfaces absorb"
+            f" {100 * float(data['zone_closure'].min()):.1f} % of the radiation that"
+            " reaches the zone."
         )
-        if share > 0.12:
-            place = {"x": f"{x + wide / 2:.1f}", "y": 17, "text_anchor": "middle"}
-            text = f"{name} {100 * share:.0f} %"
-            marks.append(element("text", text, style="fill:#222", **place))
-        x += wide
-    return drawing(_sun_words(data), *marks, width=_WIDTH, height=_BAR)
-
-
-def _sun_words(data: xr.Dataset) -> str:
-    kwh = float(data["annual_window_solar"].sel(solar_part="incident").sum())
-    parts = ", ".join(f"{100 * v:.0f} % {name}" for name, v in _shares(data).items())
-    return f"Solar radiation on the windows in the year: {number(kwh)} kWh; {parts}."
+    if "zone_model_error" in data:
+        for name, (kelvin, load, energy) in zip(
+            data["zone_model"].values.tolist(),
+            data["zone_model_error"].values.tolist(),
+            strict=True,
+        ):
+            lines.append(
+                f"Zone model of {name}: the air temperature differs from EnergyPlus by"
+                f" {kelvin:.2g} K (root mean square), loads by {100 * load:.0f} %, the"
+                f" energy of a year by at most {100 * energy:.1f} %."
+            )
+    return lines
 
 
 def _week(data: xr.Dataset, uses: Sequence[str], day: int, title: str) -> Markup:

@@ -78,7 +78,7 @@ class WindowZones:
         those of the next.
         """
         size = self.counts[window].prod()
-        found = _spread(polygons, 4 * each * int(size))
+        found = spread_points(polygons, 4 * each * int(size))
         place = found - self.corner[window]
         steps = []
         for edge, count in zip(
@@ -129,8 +129,10 @@ def _grid(
     return low @ axes, x, y, (counts[0], counts[1])
 
 
-def _spread(polygons: Sequence[Polygon], count: int) -> Float[np.ndarray, "point 3"]:
-    # Points evenly distributed over polygons, by the R2 sequence
+def spread_points(
+    polygons: Sequence[Polygon], count: int
+) -> Float[np.ndarray, "point 3"]:
+    """Return points evenly distributed over polygons, by the R2 sequence."""
     corners = np.concatenate(
         [(t := triangulate(p.vertices)).vertices[t.faces] for p in polygons]
     )

@@ -21,9 +21,13 @@ from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.config import Study
+from clerestory.study.energy_model import EnergyModel
 from clerestory.study.inputs import Inputs
+from clerestory.study.job import Job
+from clerestory.study.luminaire_matrices import Lamps
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.window_tables import ControlTable
+from clerestory.study.zone_response import BuildingResponse
 
 # Function of shade states, time steps and view names: largest DGP among these views
 GlareFunction = Callable[
@@ -49,7 +53,8 @@ class GridGlareFunction(Protocol):
 class ControlInputs:
     """Inputs of shade control rules.
 
-    `largest_dgp` is that of given views, `largest_grid_dgp` that of view grids.
+    `largest_dgp` is that of given views, `largest_grid_dgp` that of view grids. `lamps`
+    and `model` are those of a study with a model of EnergyPlus.
     """
 
     study: Study
@@ -58,12 +63,24 @@ class ControlInputs:
     skies: Skies
     largest_dgp: GlareFunction
     largest_grid_dgp: GridGlareFunction
+    job: Job | None = None
+    lamps: Lamps | None = None
+    model: EnergyModel | None = None
     _kept: dict[tuple[str, int], np.ndarray] = field(default_factory=dict)
 
     @property
     def times(self) -> np.ndarray:
         """Centres of the time steps, in local standard time."""
         return self.inputs.weather.times
+
+    @cached_property
+    def building(self) -> BuildingResponse | None:
+        """Response of the model of EnergyPlus, if the study has one."""
+        if self.model is None or self.job is None or self.lamps is None:
+            return None
+        return BuildingResponse(
+            self.job, self.model, self.lamps, self.occupied, self.illuminance
+        )
 
     @property
     def step_minutes(self) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.checks import require
 from clerestory.control.bright_period import bright_states
 from clerestory.control.control_rule import Situation, apply_rule, load_rule
 from clerestory.control.profile_angle import blocking_states
@@ -97,8 +98,8 @@ def by_threshold(case: Case) -> _StateTimes:
     control = case.control
     quantity = _quantity(case)
     delays = {
-        "close_after": _steps(case, control.close_after),
-        "open_after": _steps(case, control.open_after),
+        "close_after": delay_steps(case, control.close_after),
+        "open_after": delay_steps(case, control.open_after),
     }
     low = control.open_below
     if len(control.close_above) == 1:
@@ -121,10 +122,9 @@ def by_glare(case: Case) -> _StateTimes:
     """Return the most open shade state with DGP below the limit."""
     bound = case.control.dgp_below or DGP_BELOW
     if case.control.grid:
-        lux = case.illuminance(case.control.grid)
-        dgp = np.stack([simplified_dgp(e.max(axis=0)) for e in lux])
+        dgp = glare_of_eyes(case, case.control.grid)
     else:
-        dgp = _glare(case, until=bound)
+        dgp = glare_by_state(case, until=bound)
     return least_closed([Limit(dgp, bound)])
 
 
@@ -139,7 +139,7 @@ def by_score(case: Case) -> _StateTimes:
         most = np.stack([each.max(axis=0) for each in lux])
         limits.append(Limit(most, control.lux_below))
     if control.dgp_below is not None:
-        limits.append(Limit(_glare(case), control.dgp_below))
+        limits.append(Limit(glare_by_state(case), control.dgp_below))
     return best_states(score, limits)
 
 
@@ -151,7 +151,7 @@ def by_bright_period(case: Case) -> _StateTimes:
     rest = np.full(len(signals.times), group.number_of(control.state))
     limits = []
     if control.dgp_below is not None:
-        limits.append(Limit(_glare(case), control.dgp_below))
+        limits.append(Limit(glare_by_state(case), control.dgp_below))
         rest = least_closed(limits, at_least=rest)
     return bright_states(
         edi,
@@ -217,7 +217,7 @@ def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
             edi = case.melanopic_edi(grid)
             found[f"melanopic EDI {grid}"] = np.stack([e.mean(axis=0) for e in edi])
     if "glare" in needs:
-        found["dgp"] = _glare(case)
+        found["dgp"] = glare_by_state(case)
     return found
 
 
@@ -242,7 +242,8 @@ def _sunny(case: Case) -> np.ndarray:
     return np.asarray(direct > case.control.sun_above)
 
 
-def _steps(case: Case, minutes: float) -> int:
+def delay_steps(case: Case, minutes: float) -> int:
+    """Return a delay in time steps, at least one."""
     return max(1, int(np.ceil(minutes / case.signals.step_minutes - 1e-9)))
 
 
@@ -263,6 +264,13 @@ def _quantity(case: Case) -> Float[np.ndarray, " time"]:
         case "global horizontal":
             level = weather.direct_normal * np.maximum(signals.sun[:, 2], 0)
             return np.asarray(weather.diffuse_horizontal + level)
+        case "outdoor temperature":
+            require(
+                signals.building is not None,
+                'quantity "outdoor temperature" without [energy]; a model expected',
+            )
+            assert signals.building is not None
+            return signals.building.outdoor
         case "illuminance":
             opened = [np.zeros_like(state) for state in case.others]
             lux = signals.illuminance(opened, case.control.grid)
@@ -271,10 +279,20 @@ def _quantity(case: Case) -> Float[np.ndarray, " time"]:
             opened = [np.zeros_like(state) for state in case.others]
             edi = signals.melanopic_edi(opened, case.control.grid)
             return np.asarray(edi.mean(axis=0))
+        case _:
+            raise AssertionError
 
 
-def _glare(case: Case, *, until: float = -np.inf) -> Float[np.ndarray, "state time"]:
-    # DGP of each shade state; infinite if a more open state has DGP ≤ `until`
+def glare_of_eyes(case: Case, grid: str) -> Float[np.ndarray, "state time"]:
+    """Simplified DGP of each shade state, at the brightest eye of a grid."""
+    lux = case.illuminance(grid)
+    return np.stack([simplified_dgp(each.max(axis=0)) for each in lux])
+
+
+def glare_by_state(
+    case: Case, *, until: float = -np.inf
+) -> Float[np.ndarray, "state time"]:
+    """DGP of each shade state; infinite if a more open state has DGP ≤ `until`."""
     steps, enough = np.arange(len(case.signals.times)), max(until, 0) or np.inf
     glare = np.full((case.count, len(steps)), np.inf)
 

@@ -34,7 +34,7 @@ def lighting(
     if not lamps.zones:
         return xr.Dataset()
     operate = partial(
-        _operate, lamps, rows=rows, occupied=occupied, step_hours=step_hours
+        operate_luminaires, lamps, rows=rows, occupied=occupied, step_hours=step_hours
     )
     uses = operate([hourly["illuminance"][chosen].values for chosen in rows])
 
@@ -48,7 +48,7 @@ def lighting(
     return _dataset(lamps, uses, np.array(energies).reshape(-1, len(uses)))
 
 
-def _operate(
+def operate_luminaires(
     lamps: Lamps,
     daylight: Sequence[Float[np.ndarray, "_ time"]],
     *,
@@ -56,6 +56,7 @@ def _operate(
     occupied: Bool[np.ndarray, " time"],
     step_hours: float,
 ) -> list[LightingUse]:
+    """Return the use of the luminaires of each zone for daylight at its sensors."""
     full, uses = lamps.illuminance, list[LightingUse]()
     output = np.zeros((len(lamps.zones), len(occupied)))
     for _ in range(1 if len(lamps.zones) == 1 else _ROUNDS):

@@ -40,6 +40,11 @@ class EnergyModel:
     step: Int[np.ndarray, " time"]
     steps_per_hour: int
 
+    def zones(self) -> list[str]:
+        """Names of the zones that have windows of the study."""
+        windows = [window for group in self.windows.values() for window in group]
+        return list(dict.fromkeys(window.zone for window in windows))
+
     def over_year(self, values: np.ndarray) -> np.ndarray:
         """Return values of the study's time steps in the order of the year."""
         year = np.empty(HOURS * self.steps_per_hour, values.dtype)

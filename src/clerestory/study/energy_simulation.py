@@ -1,21 +1,31 @@
 """Heating, cooling and lighting energy by EnergyPlus, with a study's shades and lights.
 
 At each time step, the windows of the model have the constructions of their shade states
-in the study, and its luminaires the power by which the study dims them.
+in the study, and its luminaires the power by which the study dims them. Solar radiation
+of windows and rooms is that of EnergyPlus, or that of the study's matrices.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from clerestory.energyplus.engine_run import Actuator, AnnualRun, Output, simulate
+from clerestory.energyplus.scheduled_solar import with_objects
 from clerestory.progress import Progress
 from clerestory.study.energy_model import EnergyModel
+from clerestory.study.energy_results import (
+    comfort_results,
+    energy_results,
+    matrix_solar_results,
+    solar_results,
+)
+from clerestory.study.energy_solar import SolarRadiation, solar_radiation
+from clerestory.study.job import Job
 
 # Meters of energy [J] by use
-_METERS = {
+METERS = {
     "heating": "Heating:EnergyTransfer",
     "cooling": "Cooling:EnergyTransfer",
     "lighting": "InteriorLights:Electricity",
@@ -36,9 +46,7 @@ States = Mapping[str, Int[np.ndarray, " time"]]
 Power = Mapping[str, Float[np.ndarray, " time"]]
 
 
-def annual_energy(
-    model: EnergyModel, data: xr.Dataset, progress: Progress | None = None
-) -> xr.Dataset:
+def annual_energy(job: Job, model: EnergyModel, data: xr.Dataset) -> xr.Dataset:
     """Simulate the year with the shade states and dimmed luminaires of a study.
 
     Parameters
@@ -55,33 +63,76 @@ def annual_energy(
     ------
     InputError : EnergyPlus refuses the model; the message is its own
     """
+    states, zones = _states(data), model.zones()
+    solar = None
+    if model.table.solar == "matrices":
+        solar = solar_radiation(job, model, states)
     windows = [window for group in model.windows.values() for window in group]
-    zones = list(dict.fromkeys(window.zone for window in windows))
-    outputs = [Output(meter, sum=True) for meter in _METERS.values()]
+    outputs = [Output(meter, sum=True) for meter in METERS.values()]
     outputs += [Output(_TEMPERATURE, zone) for zone in zones]
-    outputs += [Output(part, w.name) for part in _SOLAR.values() for w in windows]
+    if solar is None:
+        outputs += [Output(part, w.name) for part in _SOLAR.values() for w in windows]
+    values = run_building(
+        model,
+        states,
+        _power(data),
+        outputs,
+        solar=solar,
+        progress=job.display("EnergyPlus"),
+    )
+    hours = 1 / model.steps_per_hour
+    energy, temperature, rest = np.split(
+        values, [len(METERS), len(METERS) + len(zones)]
+    )
+    if solar is None:
+        parts = rest.reshape(len(_SOLAR), len(windows), -1)
+        parts[0] *= np.array([window.area for window in windows])[:, None]
+        sun = solar_results(list(_SOLAR), parts, [w.name for w in windows], hours)
+    else:
+        sun = matrix_solar_results(solar, hours)
+    occupied = data["occupied"].values
+    low, high = model.table.comfort_c
+    return xr.merge(
+        [
+            energy_results(list(METERS), energy / JOULES_PER_KWH, hours),
+            comfort_results(temperature, zones, occupied, hours, (low, high)),
+            sun,
+        ]
+    )
+
+
+def run_building(
+    model: EnergyModel,
+    states: States,
+    power: Power,
+    outputs: Sequence[Output],
+    *,
+    solar: SolarRadiation | None = None,
+    progress: Progress | None = None,
+) -> Float[np.ndarray, "output time"]:
+    """Simulate the model of a study, and return outputs at the study's time steps.
+
+    Parameters
+    ----------
+    states : shade state of each window group at each time step
+    power : power of the luminaires of each lighting zone [W]; luminaires of other zones
+        are operated by the model
+    solar : solar radiation of windows and surfaces; default: that of EnergyPlus
+    """
+    actuators = [*_shades(model, states), *_lights(model, power)]
+    objects: Mapping[str, Mapping[str, object]] = model.building.objects
+    if solar is not None:
+        actuators += solar.actuators
+        objects = with_objects(objects, solar.objects)
     job = AnnualRun(
-        model.building.objects,
+        objects,
         model.weather,
-        [*_shades(model, _states(data)), *_lights(model, _power(data))],
+        actuators,
         outputs,
         model.steps_per_hour,
         source=str(model.table.model),
     )
-    values = simulate(job, progress=progress)[:, model.step]
-    energy, rest = np.split(values, [len(_METERS)])
-    temperature, solar = np.split(rest, [len(zones)])
-    solar = solar.reshape(len(_SOLAR), len(windows), -1)
-    solar[0] *= np.array([window.area for window in windows])[:, None]
-    hours = 1 / model.steps_per_hour
-    low, high = model.table.comfort_c
-    return xr.merge(
-        [
-            _energy(energy / JOULES_PER_KWH, hours),
-            _comfort(temperature, zones, data["occupied"].values, hours, (low, high)),
-            _sun(solar, [window.name for window in windows], hours),
-        ]
-    )
+    return simulate(job, progress=progress)[:, model.step]
 
 
 def _states(data: xr.Dataset) -> States:
@@ -113,63 +164,7 @@ def _shades(model: EnergyModel, states: States) -> Iterator[Actuator]:
 
 def _lights(model: EnergyModel, power: Power) -> Iterator[Actuator]:
     for table in model.table.lights:
-        name, _ = model.building.find(table.lights, "Lights")
-        values = model.over_year(power[table.zone])
-        yield Actuator("Lights", "Electricity Rate", name, values)
-
-
-def _energy(energy: Float[np.ndarray, "use time"], hours: float) -> xr.Dataset:
-    axes = "energy_use", "time"
-    return xr.Dataset(
-        {
-            "energy": (axes, energy.astype(np.float32), {"units": "kWh"}),
-            "annual_energy": (axes[0], np.nansum(energy, axis=1), {"units": "kWh"}),
-            "peak_power": (axes[0], _largest(energy) / hours, {"units": "kW"}),
-        },
-        coords={axes[0]: list(_METERS)},
-    )
-
-
-def _comfort(
-    temperature: Float[np.ndarray, "zone time"],
-    zones: Sequence[str],
-    occupied: Bool[np.ndarray, " time"],
-    hours: float,
-    limits: tuple[float, float],
-) -> xr.Dataset:
-    outside = (temperature < limits[0]) | (temperature > limits[1])
-    spent = (outside & occupied).sum(axis=1) * hours
-    axes, values = ("thermal_zone", "time"), temperature.astype(np.float32)
-    return xr.Dataset(
-        {
-            "operative_temperature": (axes, values, {"units": "degree_Celsius"}),
-            "hours_out_of_comfort": (
-                axes[0],
-                spent,
-                {"units": "h", "comfort_c": list(limits)},
-            ),
-        },
-        coords={axes[0]: np.array(zones, dtype=str)},
-    )
-
-
-def _sun(
-    solar: Float[np.ndarray, "part window time"], windows: Sequence[str], hours: float
-) -> xr.Dataset:
-    axes = "solar_part", "energy_window", "time"
-    kwh = np.nansum(solar, axis=2) * hours / 1000
-    return xr.Dataset(
-        {
-            "window_solar": (axes, solar.astype(np.float32), {"units": "W"}),
-            "annual_window_solar": (axes[:2], kwh, {"units": "kWh"}),
-        },
-        coords={axes[0]: list(_SOLAR), axes[1]: np.array(windows, dtype=str)},
-    )
-
-
-def _largest(energy: Float[np.ndarray, "use time"]) -> Float[np.ndarray, " use"]:
-    # Largest value over time; NaN for outputs that the model does not have
-    known = ~np.isnan(energy).all(axis=1)
-    found = np.full(len(energy), np.nan)
-    found[known] = np.nanmax(energy[known], axis=1)
-    return found
+        if table.zone in power:
+            name, _ = model.building.find(table.lights, "Lights")
+            values = model.over_year(power[table.zone])
+            yield Actuator("Lights", "Electricity Rate", name, values)

@@ -1,6 +1,6 @@
 """Tables of the study file for EnergyPlus: model of the building, and its objects."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -32,8 +32,9 @@ class EnergyLightsTable(Table):
 class EnergyTable(Table):
     """Heating and cooling by EnergyPlus, with the shades and lights of the study.
 
-    `comfort_c` is the range of operative temperature in which occupants are
-    comfortable [°C].
+    `solar` is the source of the solar radiation of windows and rooms: EnergyPlus, or
+    the matrices of the study. `comfort_c` is the range of operative temperature in
+    which occupants are comfortable [°C].
     """
 
     model: InputFile = Field(description="a model of EnergyPlus, .idf or .epJSON")
@@ -44,6 +45,7 @@ class EnergyTable(Table):
     lights: list[EnergyLightsTable] = Field(
         default_factory=list, description="tables [[energy.lights]]"
     )
+    solar: Literal["EnergyPlus", "matrices"] = "EnergyPlus"
     comfort_c: list[float] = Field([20.0, 26.0], min_length=2, max_length=2)
 
     @model_validator(mode="after")

@@ -25,8 +25,8 @@ Display = Callable[[str], Progress]
 # light, and daylight coefficients
 DIRECT, SUN, LAMPS, COEFFICIENTS = 0x10000, 0x20000, 0x30000, 0x40000
 
-# Offset for view grids
-VIEW_GRIDS = 0x400000
+# Offsets for view grids, and for the zones of a model of EnergyPlus
+VIEW_GRIDS, ZONES = 0x400000, 0x500000
 
 # Seed difference between consecutive shade states of a window
 STATE = 0x100

@@ -6,13 +6,11 @@ as it is complete, everything else is computed again, and results.nc is written 
 
 import platform
 import shutil
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -20,7 +18,6 @@ import xarray as xr
 
 from clerestory import __version__
 from clerestory.engine.work_units import Executor
-from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
 from clerestory.metrics.compliance import assess
 from clerestory.metrics.standards import standards_named
@@ -40,7 +37,7 @@ from clerestory.study.compliance_table import compliance_table
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
-from clerestory.study.energy_model import energy_model
+from clerestory.study.energy_model import EnergyModel, energy_model
 from clerestory.study.energy_simulation import annual_energy
 from clerestory.study.glazed_grid_points import grid_points
 from clerestory.study.illuminance_by_state import every_state, results_by_state
@@ -52,6 +49,7 @@ from clerestory.study.light_spectra import light_spectra
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
+from clerestory.study.run_log import RunLog
 from clerestory.study.sensitivity_results import sensitivity_results
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
@@ -72,32 +70,6 @@ SCRATCH_FOLDER = "unfinished"
 
 # Packages whose versions are recorded in run.json
 _PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
-
-
-@dataclass
-class RunLog:
-    """Duration of each stage of a run [s], and warnings of the run by kind."""
-
-    seconds: dict[str, float] = field(default_factory=dict)
-    warnings: WarningLog = field(default_factory=WarningLog)
-
-    @contextmanager
-    def phase(self, name: str) -> Iterator[None]:
-        """Measure the duration of a stage; record warnings, issue each kind once."""
-        start, caught = perf_counter(), []
-        try:
-            with warnings.catch_warnings(record=True) as caught:
-                warnings.simplefilter("always", ClerestoryWarning)
-                yield
-        finally:
-            spent = self.seconds.get(name, 0.0) + perf_counter() - start
-            self.seconds[name] = round(spent, 3)
-            for item in caught:
-                ours = issubclass(item.category, ClerestoryWarning)
-                if not ours or self.warnings.add(str(item.message)):
-                    warnings.warn_explicit(
-                        item.message, item.category, item.filename, item.lineno
-                    )
 
 
 def run_method(
@@ -137,10 +109,10 @@ def run_method(
             scratch=scratch,
             recent=recent,
         )
-        data = _simulate(job, log, states, out=out)
+        data = _simulate(job, log, states, model, out=out)
         if model is not None:
             with log.phase("energy"):
-                data = data.merge(annual_energy(model, data, display("EnergyPlus")))
+                data = data.merge(annual_energy(job, model, data))
         with log.phase("write"):
             write_tables(study, Results(data), out)
         facts = _run_facts(job, data, log)
@@ -155,7 +127,14 @@ def run_method(
     return results
 
 
-def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.Dataset:
+def _simulate(
+    job: Job,
+    log: RunLog,
+    states: States | None,
+    model: EnergyModel | None,
+    *,
+    out: Path,
+) -> xr.Dataset:
     study, inputs, display = job.study, job.inputs, job.display
     with log.phase("trace"):
         matrices = trace_study(job)
@@ -171,7 +150,9 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
             glare_function(views, skies, display=display),
             grid_glare_function(points, display=display),
         )
-        signals = ControlInputs(study, inputs, matrices, skies, *largest_dgp)
+        signals = ControlInputs(
+            study, inputs, matrices, skies, *largest_dgp, job, lamps, model
+        )
         acts = operate(signals) if states is None else ShadeOperation(list(states))
     with log.phase("multiply"):
         hourly = matrices.illuminance(skies, acts.states, progress=display("multiply"))
@@ -203,6 +184,8 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         parts.append(sensitivity_results(signals, acts.states, hourly))
         parts.append(light_spectra(signals, acts.states, hourly["illuminance"]))
         parts.append(results_by_state(signals))
+        if signals.building is not None:
+            parts.append(signals.building.results())
         data = label_results(hourly, parts, signals, acts)
     if study.compliance is not None:
         with log.phase("compliance"):

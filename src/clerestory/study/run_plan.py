@@ -24,8 +24,8 @@ from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
-from clerestory.study.method_run import RunLog
 from clerestory.study.results import recorded_seconds
+from clerestory.study.run_log import RunLog
 from clerestory.study.stage_costs import STAGES, StageCost, StageWork, hour_bytes
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_run import MATRIX_FOLDER

@@ -16,6 +16,11 @@ from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.control_rules import INSIDE, OUTSIDE, Case
 from clerestory.study.window_groups import WindowGroup
 from clerestory.study.window_tables import INTERIOR, ControlTable
+from clerestory.study.zone_control_rules import (
+    ZONE_QUANTITIES,
+    ZONES,
+    by_zone_threshold,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +60,9 @@ def operate(signals: ControlInputs) -> ShadeOperation:
 def _looks_inside(group: WindowGroup) -> bool:
     control = group.control
     return control is not None and (
-        control.rule in INSIDE or control.quantity in INTERIOR
+        control.rule in INSIDE
+        or control.rule in ZONES
+        or control.quantity in (*INTERIOR, *ZONE_QUANTITIES)
     )
 
 
@@ -63,7 +70,9 @@ def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> No
     # Set the shade states of one group by the control rule of the group
     control = signals.inputs.groups[number].control
     if control is not None:
-        rule = (OUTSIDE | INSIDE)[control.rule]
+        rule = (OUTSIDE | INSIDE | ZONES)[control.rule]
+        if control.quantity in ZONE_QUANTITIES:
+            rule = by_zone_threshold
         found = rule(Case(signals, number, control, list(states)))
         states[number] = _unless_empty(signals, number, np.asarray(found, dtype=int))
 

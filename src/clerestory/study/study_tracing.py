@@ -209,7 +209,7 @@ def _window_chains(job: Job, *, stored: bool) -> list[MatrixChain]:
     views: Sequence[TransferMatrix | StoredColumns] = _views(job, stored=stored)
     chains = []
     for number, (group, view) in enumerate(zip(job.inputs.groups, views, strict=True)):
-        daylight = _daylight(job, group, number)
+        daylight = window_daylight(job, group, number)
         if stored:
             daylight = [with_few_components(matrix) for matrix in daylight]
         T = [state.transmission for state in group.states]
@@ -241,8 +241,8 @@ def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns
     return stored_columns(views, windows)
 
 
-def _daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]:
-    # D, common to all shade states, or F D of each shade state
+def window_daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]:
+    """Return D, common to all shade states, or F D of each shade state."""
     if METHODS[job.study.method].facade and group.ports:
         D = _port_daylight(job, group, number)
         states = range(len(group.states))

@@ -18,10 +18,12 @@ def require_names(study: "Study") -> None:
     for window in study.window:
         if window.control is not None:
             rule = f'rule "{window.control.rule}" of window "{window.label}"'
-            _require(rule, "grid", [window.control.grid], grids)
+            named = [window.control.grid, window.control.eye_grid]
+            _require(rule, "grid", named, grids)
             _require(rule, "view", window.control.views, views)
             _require(rule, "view grid", window.control.view_grids, view_grids)
             _require_views(study, window)
+            _require_model(study, window)
     for table in study.view_grid:
         _require(f'view grid "{table.label}"', "grid", [table.grid], grids)
     _require("[output] spectral", "grid", study.output.spectral, grids)
@@ -57,9 +59,32 @@ def _require_energy_names(study: "Study") -> None:
             require_rule(each.zone in zones, f"{message} {known} expected")
 
 
+def _require_model(study: "Study", window: WindowTable) -> None:
+    control = window.control
+    if control is None:
+        return
+    zone = control.rule in ("cooling season", "predictive")
+    thermal = (
+        "outdoor temperature",
+        "zone temperature",
+        "heating load",
+        "cooling load",
+    )
+    known = study.energy is not None and window.label in {
+        each.name for each in study.energy.window
+    }
+    require_rule(
+        known or not (zone or control.quantity in thermal),
+        f'rule "{control.rule}" of window "{window.label}" depends on the zone, but'
+        " there is no table [[energy.window]] of this window; one expected",
+    )
+
+
 def _require_views(study: "Study", window: WindowTable) -> None:
     control = window.control
-    if control is None or (control.rule == "glare" and control.grid):
+    if control is None or control.eye_grid:
+        return
+    if control.rule == "glare" and control.grid:
         return
     glare = control.rule == "glare" or "glare" in control.needs
     require_rule(

@@ -222,6 +222,7 @@ def _energy(data: xr.Dataset) -> Iterator[VariantFigure]:
             yield VariantFigure(
                 use, "building", "kWh", "energy", kwh, 0.0, rising=False
             )
+        yield from _loads(data)
     if "lighting_energy" not in data:
         return
     name, value = "lighting energy", float(data["lighting_energy"].sum()) / 1000
@@ -233,6 +234,19 @@ def _energy(data: xr.Dataset) -> Iterator[VariantFigure]:
         return
     error = float(data["lighting_energy_error"].sum()) / 1000
     yield VariantFigure(name, "all zones", "kWh", "energy", value, error, rising=False)
+
+
+def _loads(data: xr.Dataset) -> Iterator[VariantFigure]:
+    # Peak loads of the building, and discomfort in its zones
+    for use in ("heating", "cooling"):
+        peak = float(data["peak_power"].sel(energy_use=use))
+        yield VariantFigure(
+            f"peak {use}", "building", "kW", "energy", peak, 0.0, rising=False
+        )
+    for zone, hours in data["hours_out_of_comfort"].to_series().items():
+        yield VariantFigure(
+            "hours out of comfort", str(zone), "h", "energy", hours, 0.0, rising=False
+        )
 
 
 def _with_parts(

@@ -29,9 +29,9 @@ from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.window import Window
 from clerestory.spectral.spectrum_file import read_spectrum
+from clerestory.study.control_fields import StateChoice
 from clerestory.study.window_tables import (
     ControlTable,
-    StateChoice,
     StateTable,
     WindowTable,
 )

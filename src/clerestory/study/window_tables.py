@@ -5,14 +5,11 @@ Shade states are numbered from 0, the most open, to the most closed.
 
 import itertools
 import operator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-import numpy as np
-from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, model_validator
 
 from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
-from clerestory.control.profile_angle import blocking_states
 from clerestory.documents import Table
 from clerestory.escaping import printable
 from clerestory.study.bsdf_field import BSDF, BsdfFile
@@ -24,6 +21,7 @@ from clerestory.study.config_tables import (
     require_one_of,
     require_rule,
 )
+from clerestory.study.control_fields import Levels, StateChoice, Tilts
 
 RuleName = Literal[
     "fixed",
@@ -36,6 +34,8 @@ RuleName = Literal[
     "LM-83",
     "schedule",
     "python",
+    "cooling season",
+    "predictive",
 ]
 Quantity = Literal[
     "facade irradiance",
@@ -46,11 +46,18 @@ Quantity = Literal[
     "direct normal",
     "illuminance",
     "melanopic EDI",
+    "outdoor temperature",
+    "zone temperature",
+    "heating load",
+    "cooling load",
 ]
 Need = Literal["illuminance", "melanopic EDI", "glare"]
 
 # Quantities that depend on the states of other groups
 INTERIOR = ("illuminance", "melanopic EDI")
+
+# Keys of the glare limit of rules that know the zone
+_GLARE = ("dgp_below", "views", "view_grids", "eye_grid")
 
 # Required and optional keys of each rule
 _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -76,58 +83,23 @@ _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "LM-83": ((), ("grid", "sun_lux", "most_sensors")),
     "schedule": (("file",), ()),
     "python": (("function",), ("needs", "views", "view_grids")),
+    "cooling season": (("grid",), ("target_lux", "season_above", *_GLARE)),
+    "predictive": (
+        (),
+        (
+            "horizon",
+            "temperature_error",
+            "gain_error",
+            "heating_weight",
+            "cooling_weight",
+            "lighting_weight",
+            "movement_cost",
+            "view_cost",
+            *_GLARE,
+        ),
+    ),
 }
 _EVERY_RULE = ("rule", "when_empty")
-
-# Largest tilt of a slat [°], and profile angles at which tilts are compared [rad]
-_LARGEST_TILT = 90.0
-_PROFILES = np.radians(np.arange(-89.9, 90, 0.1))
-
-
-def _state(value: Any) -> Any:
-    if isinstance(value, bool) or not isinstance(value, int | str):
-        raise PydanticCustomError("choice", "the number or the name of a state")
-    return value
-
-
-def _levels(value: Any) -> Any:
-    # One threshold, or an increasing list: one threshold per change of shade state
-    levels = value if isinstance(value, list) else [value]
-    numbers = all(isinstance(x, int | float) for x in levels)
-    if not levels or not numbers or any(isinstance(x, bool) for x in levels):
-        raise PydanticCustomError("choice", "a number, or a list of them")
-    if any(later <= first for first, later in itertools.pairwise(levels)):
-        raise PydanticCustomError("choice", "numbers in rising order")
-    return levels
-
-
-def _tilts(value: Any, info: ValidationInfo) -> Any:
-    # Tilts, each of which blocks sunlight that all tilts before it transmit
-    given = value if isinstance(value, list) else [value]
-    raised = int(given[:1] == ["raised"])
-    slats = given[raised:]
-    if not all(type(x) in (int, float) and abs(x) <= _LARGEST_TILT for x in slats):
-        raise PydanticCustomError(
-            "choice", 'tilts from -90 to 90 degrees, optionally after "raised",'
-        )
-    width, spacing = (info.data.get(key) for key in ("slat_width", "slat_spacing"))
-    if slats and width and spacing:
-        acting = blocking_states(
-            _PROFILES, tilts=np.radians(slats), width=width, spacing=spacing
-        )
-        idle = np.setdiff1d(np.arange(len(slats)), acting)
-        if len(idle):
-            raise PydanticCustomError(
-                "choice",
-                "tilts, each of which blocks sunlight that all states before it"
-                f" transmit (state {idle[0] + raised} does not),",
-            )
-    return value
-
-
-StateChoice = Annotated[int | str, BeforeValidator(_state)]
-Tilts = Annotated[list[float | str], BeforeValidator(_tilts)]
-Levels = Annotated[list[float], BeforeValidator(_levels)]
 
 
 class LayerTable(Table):
@@ -189,6 +161,16 @@ class ControlTable(Table):
     lux_below: float | None = Field(None, gt=0)
     sun_lux: float = Field(SUN_LUX, gt=0)
     most_sensors: float = Field(MOST_SENSORS, ge=0, le=1)
+    eye_grid: str = ""
+    season_above: float | None = Field(None, ge=-50, le=50, description="degrees C")
+    horizon: float = Field(24.0, gt=0, le=168, description="hours")
+    temperature_error: float = Field(0.0, ge=0, le=20, description="kelvins")
+    gain_error: float = Field(0.0, ge=0, le=1)
+    heating_weight: float = Field(1.0, ge=0)
+    cooling_weight: float = Field(1.0, ge=0)
+    lighting_weight: float = Field(1.0, ge=0)
+    movement_cost: float = Field(0.0, ge=0, description="kWh")
+    view_cost: float = Field(0.0, ge=0, description="kWh")
     file: InputFile | None = Field(None, description="a file of states (.csv)")
     function: str = Field(
         "",

@@ -375,6 +375,7 @@ WRONG_ENERGY = {
         'surface "s" is named twice',
     ),
     "comfort": ("comfort_c = [26.0, 20.0]\n", "the lower limit first"),
+    "sun": ('solar = "ours"\n', 'solar is "ours"'),
 }
 
 
@@ -383,6 +384,41 @@ def test_energy_refers_to_tables_of_the_study(study_file, case):
     table, words = WRONG_ENERGY[case]
     (study_file.parent / "office.idf").touch()
     study_file.write_text(f"{study_file.read_text()}\n{ENERGY}{table}")
+    assert words in str(complaint(study_file))
+
+
+OF_ZONES = {
+    "prediction": (
+        'rule = "predictive"',
+        'rule "predictive" of window "south" depends',
+    ),
+    "season": (
+        'rule = "cooling season"\ngrid = "desk"',
+        'rule "cooling season" of window "south" depends on the zone',
+    ),
+    "load": (
+        'rule = "threshold"\nquantity = "cooling load"\nclose_above = 100',
+        'rule "threshold" of window "south" depends on the zone',
+    ),
+    "key": ('rule = "glare"\nhorizon = 12', 'rule "glare" has no key "horizon"'),
+    "grid": ('rule = "cooling season"', 'rule "cooling season" without "grid"'),
+    "horizon": ('rule = "predictive"\nhorizon = 0', "a number above 0"),
+    "eyes": ('rule = "predictive"\neye_grid = "eyes"', 'refers to grid "eyes"'),
+}
+
+
+@pytest.mark.parametrize("case", OF_ZONES)
+def test_rules_that_know_the_zone_need_a_model(study_file, case):
+    rule, words = OF_ZONES[case]
+    text = study_file.read_text()
+    state = '\n[[window.state]]\nbsdf = "'
+    text = re.sub(
+        r'\nbsdf = "(.+)"',
+        rf'{state}\1"\nname = "a"{state}\1"\nname = "b"\n[window.control]\n{rule}',
+        text,
+        count=1,
+    )
+    study_file.write_text(text)
     assert words in str(complaint(study_file))
 
 
