@@ -88,9 +88,11 @@ def main() -> None:
 
 `benchmarks/derivatives.py`. {stamp()}
 
-View matrix of 100 sensors in a room of eight coloured diffuse materials, {options.samples:,} paths a sensor,
-median processor time of three runs: {plain:.2f} s plain, {more:.2f} s with first and second derivatives by
-all eight materials, **{more / plain:.2f} times**. Relative standard error of row sums, mean over the sensors:
+View matrix of 100 sensors in a room of eight coloured diffuse materials,
+{options.samples:,} paths a sensor, median processor time of three runs:
+{plain:.2f} s plain, {more:.2f} s with first and second derivatives by all eight
+materials, **{more / plain:.2f} times**.
+Relative standard error of row sums, mean over the sensors:
 
 | | error |
 |---|---|
