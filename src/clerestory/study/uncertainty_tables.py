@@ -5,8 +5,8 @@ Each kind of quantity has a default distribution and a physical range:
 - reflectance ±0.05, transmittance ±3 %: assumed, for values from colour charts and data
   sheets; E. Brembilla, C. J. Hopfe, J. Mardaljevic, Journal of Building Performance
   Simulation 11 (3), 2018, show how much reflectances matter
-- dirt: BS 8206-2:2008, tables A.3 to A.5: loss of 4 % (rural) to 8 % (urban) of
-  commercial buildings, more where it is polluted
+- dirt: assumed; P. R. Tregenza, S. Sharples, Daylight Algorithms, 1993, algorithm 2.13,
+  give 0.9 for vertical glazing at clean places, and less at dirty ones
 - BSDF ±5 %: assumed, for the transmittance of a goniophotometric measurement
 - sky and sun ±6 %: bias of illuminance from modelled irradiance, International Journal
   of Photoenergy 2018, 8180526
