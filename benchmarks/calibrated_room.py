@@ -40,8 +40,9 @@ day is told by the fit to the other one. The study is
 Notes:
 
 - A measured value deviates by {error:.0f} % from the fitted model (root mean square
-  of relative deviations). The deviations of one scan or one sensor are alike:
-  {effect:.0f} values count as one.
+  of relative deviations). The deviations of one scan are alike:
+  {effect:.0f} values count as one. Besides, all values of a sensor deviate alike by
+  {sensor:.0f} %.
 - The fit removes the bias on the day that was not used. Most of the scatter stays:
   clouds that pass within the hour of the weather file, people and trees that are not
   modelled, and windows that may extend too far are no quantities of this fit.
@@ -97,6 +98,7 @@ def page(facts: dict) -> str:
         ),
         error=100 * facts["relative_error"],
         effect=facts["design_effect"],
+        sensor=100 * facts["sensor_error"],
         untold=" and ".join(facts["told_by_the_prior"]) or "nothing",
         condition=facts["condition"],
         alike=", ".join(alike) or "none",

@@ -96,6 +96,7 @@ from clerestory.uncertainty.calibration import calibrate
 from clerestory.uncertainty.distributions import normal
 from clerestory.uncertainty.draws import Unknown
 from clerestory.uncertainty.expansion import Expansion, Part
+from clerestory.uncertainty.residual_covariance import SensorErrors
 
 pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
 BIN = Path(pyradiance.__file__).parent / "bin"
@@ -699,7 +700,13 @@ def _calibrated(names):
     part = Part(np.ones((len(names), 1)), tuple(names))
     reference = dict.fromkeys(names, 0.5)
     model = CalibrationModel(
-        unknowns, pairs, (0.0,), (Expansion(reference, ((part,),)),), None, {}
+        unknowns,
+        pairs,
+        (0.0,),
+        (Expansion(reference, ((part,),)),),
+        None,
+        {},
+        SensorErrors(rows, np.zeros((len(names), 1))),
     )
     quantities = UnknownQuantities(unknowns, {}, {}, (), (), "", "", {}, {})
     fit = calibrate(model.predict, pairs.measured, unknowns, relative_error=0.1)

@@ -6,7 +6,7 @@ gains multiply the series of a grid.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -24,6 +24,7 @@ from clerestory.comparison.time_alignment import Pairs
 from clerestory.study.unknown_quantities import UnknownQuantities
 from clerestory.uncertainty.draws import Unknown
 from clerestory.uncertainty.expansion import Expansion, Part
+from clerestory.uncertainty.residual_covariance import SensorErrors
 
 # Largest shift of the measured times and distance of shifts [min]
 _REACH, _STEP = 60.0, 10.0
@@ -41,6 +42,7 @@ class CalibrationModel:
     expansions : simulated values for each shift, over (pair, 1)
     clock : number of the quantity that shifts the measured times, or None
     gains : factor of the pairs by number of the quantity
+    common : error components of the simulated values
     """
 
     unknowns: tuple[Unknown, ...]
@@ -49,6 +51,7 @@ class CalibrationModel:
     expansions: tuple[Expansion, ...]
     clock: int | None
     gains: dict[int, np.ndarray]
+    common: SensorErrors
 
     __repr__ = brief
 
@@ -64,8 +67,8 @@ class CalibrationModel:
         return np.asarray(np.unique(days, return_inverse=True)[1])
 
     def clusters(self) -> list[np.ndarray]:
-        """Return clusters of pairs: those of a time, and those of a sensor."""
-        return [np.unique(self.pairs.times, return_inverse=True)[1], self.pairs.series]
+        """Return the number of the time of each pair."""
+        return [np.unique(self.pairs.times, return_inverse=True)[1]]
 
     def predict(
         self, theta: Float[np.ndarray, " unknown"]
@@ -93,8 +96,12 @@ class CalibrationModel:
         rows = np.flatnonzero(chosen)
         parts = tuple(_chosen(one, rows) for one in self.expansions)
         gains = {number: members[rows] for number, members in self.gains.items()}
-        return CalibrationModel(
-            self.unknowns, self.pairs.where(rows), self.shifts, parts, self.clock, gains
+        return replace(
+            self,
+            pairs=self.pairs.where(rows),
+            expansions=parts,
+            gains=gains,
+            common=self.common.where(rows),
         )
 
 
@@ -105,6 +112,7 @@ def calibration_model(
     quantities: UnknownQuantities,
     *,
     rules: Rules,
+    components: Float[np.ndarray, "component sensor time"] | None = None,
 ) -> CalibrationModel:
     """Return the model of measurements from the expansion of the illuminance.
 
@@ -115,6 +123,7 @@ def calibration_model(
     expansion : illuminance over (sensor, time)
     quantities : unknown quantities, also of the measurements
     rules : selection of values, as in a comparison
+    components : error components of the illuminance [lux]
     """
     moved, _ = matched_series(measured, simulated)
     names = [own.name for own in quantities.unknowns]
@@ -140,7 +149,11 @@ def calibration_model(
         models.append(_expanded(expansion, moved, simulated, rules, shift, rows))
     pairs, kept, keys = found[0.0]
     inside = np.isin(keys, common)
-    chosen = pairs.where(kept[inside][np.argsort(keys[inside], kind="stable")])
+    rows = kept[inside][np.argsort(keys[inside], kind="stable")]
+    chosen = pairs.where(rows)
+    if components is None:
+        components = np.zeros((1, *simulated.values.shape))
+    error = _sensor_errors(components, chosen, moved, simulated, rules, rows)
     groups = np.array([group_of(name) for name in pairs.names])[chosen.series]
     gains = {
         names.index(name): (groups == grid) | (not grid)
@@ -153,7 +166,7 @@ def calibration_model(
             f'quantity "{name}" acts on grid "{grid}"; one of {known} expected',
         )
     return CalibrationModel(
-        quantities.unknowns, chosen, tuple(shifts), tuple(models), clock, gains
+        quantities.unknowns, chosen, tuple(shifts), tuple(models), clock, gains, error
     )
 
 
@@ -173,15 +186,7 @@ def _expanded(
 ) -> Expansion:
     # The expansion at the times and sensors of the pairs
     def aligned(values: np.ndarray) -> np.ndarray:
-        own = Series(
-            simulated.names,
-            simulated.times,
-            values.astype(float),
-            simulated.step_minutes,
-            simulated.utc_offset_hours,
-        )
-        found = value_pairs(measured, own, rules, minutes)
-        return np.asarray(found.simulated[rows][:, None])
+        return _aligned(values, measured, simulated, rules, minutes, rows)[:, None]
 
     parts = tuple(
         Part(
@@ -193,6 +198,42 @@ def _expanded(
         for part in expansion.scenarios[0]
     )
     return Expansion(expansion.reference, (parts,))
+
+
+def _aligned(
+    values: np.ndarray,
+    measured: Sequence[Series],
+    simulated: Series,
+    rules: Rules,
+    minutes: float,
+    rows: np.ndarray,
+) -> np.ndarray:
+    # Values over (sensor, time) at the times and sensors of the pairs
+    own = Series(
+        simulated.names,
+        simulated.times,
+        values.astype(float),
+        simulated.step_minutes,
+        simulated.utc_offset_hours,
+    )
+    return np.asarray(value_pairs(measured, own, rules, minutes).simulated[rows])
+
+
+def _sensor_errors(
+    components: np.ndarray,
+    pairs: Pairs,
+    measured: Sequence[Series],
+    simulated: Series,
+    rules: Rules,
+    rows: np.ndarray,
+) -> SensorErrors:
+    # Components are averaged over time steps as the values are
+    minutes = rules.shift_minutes
+    parts = [
+        _aligned(own, measured, simulated, rules, minutes, rows) for own in components
+    ]
+    lux = np.where(pairs.simulated > 0, pairs.simulated, np.inf)
+    return SensorErrors(pairs.series, np.stack(parts, axis=1) / lux[:, None])
 
 
 def _values(expansion: Expansion, named: dict[str, np.ndarray]) -> np.ndarray:

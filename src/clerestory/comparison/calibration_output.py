@@ -55,6 +55,7 @@ def facts(found: CalibratedStudy) -> dict[str, Any]:
         "quantities": quantities,
         "correlations": np.round(fit.correlations, 4).tolist(),
         "relative_error": fit.relative_error,
+        "sensor_error": fit.sensor_error,
         "design_effect": fit.design_effect,
         "condition": fit.condition if np.isfinite(fit.condition) else None,
         "told_by_the_prior": fit.untold(),
@@ -71,6 +72,7 @@ def facts(found: CalibratedStudy) -> dict[str, Any]:
                 "pairs": one.count,
                 "bias": [one.before.relative_bias, one.after.relative_bias],
                 "cv_rmse": [one.before.variation, one.after.variation],
+                "within_95_percent": one.within,
             }
             for one in found.held_out
         },

@@ -29,21 +29,31 @@ from clerestory.study.labels import sensor_labels
 from clerestory.study.operated_study import operated
 from clerestory.study.study_run import MATRIX_FOLDER
 from clerestory.study.unknown_quantities import UnknownQuantities, unknown_quantities
-from clerestory.uncertainty.calibration import Calibration, calibrate, profile
+from clerestory.uncertainty.calibration import calibrate, prediction_deviations, profile
+from clerestory.uncertainty.posterior import Calibration
 
 # Largest number of expansions, and change of a value in standard deviations of its
 # posterior below which no further expansion is made
 _ROUNDS, _CHANGE = 4, 0.2
 
+# Half width of the range of 95 % in standard deviations
+_RANGE = 1.96
+
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Agreement on one day, before and after a fit to all other days."""
+    """Agreement on one day, before and after a fit to all other days.
+
+    Attributes
+    ----------
+    within : share of the measured values within the 95 % range of their predictions
+    """
 
     day: np.datetime64
     count: int
     before: Agreement
     after: Agreement
+    within: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +157,11 @@ def calibrate_study(
 
 def _fit(model: CalibrationModel) -> Calibration:
     return calibrate(
-        model.predict, model.measured, model.unknowns, clusters=model.clusters()
+        model.predict,
+        model.measured,
+        model.unknowns,
+        clusters=model.clusters(),
+        common=model.common,
     )
 
 
@@ -159,8 +173,9 @@ def _held_out(model: CalibrationModel, before: np.ndarray) -> list[HeldOut]:
     for day in range(count) if count > 1 else ():
         out = days == day
         fitted = _fit(model.of(~out))
-        after = model.of(out).predict(fitted.values)
-        measured = model.measured[out]
+        told = model.of(out)
+        after, measured = told.predict(fitted.values), told.measured
+        deviation = prediction_deviations(told.predict, fitted, told.common)
         date = model.pairs.times[out][0].astype("datetime64[D]")
         found.append(
             HeldOut(
@@ -168,6 +183,7 @@ def _held_out(model: CalibrationModel, before: np.ndarray) -> list[HeldOut]:
                 int(out.sum()),
                 agreement(measured, before[out]),
                 agreement(measured, after),
+                float(np.mean(np.abs(measured - after) < _RANGE * deviation)),
             )
         )
     return found
@@ -203,7 +219,14 @@ def _model(
     steps = np.arange(len(job.inputs.weather.times))
     expansion = illuminance_expansion(job, quantities, [situation], steps)
     simulated = _simulated(job.inputs, expansion.scenarios[0][0].value)
-    return calibration_model(series, simulated, expansion, quantities, rules=rules)
+    return calibration_model(
+        series,
+        simulated,
+        expansion,
+        quantities,
+        rules=rules,
+        components=situation.error_components(),
+    )
 
 
 def _simulated(inputs: Inputs, values: np.ndarray) -> Series:

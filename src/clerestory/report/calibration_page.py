@@ -53,6 +53,7 @@ def calibration_page(found: CalibratedStudy, *, title: str) -> str:
         ],
         scatter=_scatter(found),
         error=f"{100 * fit.relative_error:.0f} %",
+        sensor=f"{100 * fit.sensor_error:.0f} %",
         effect=f"{fit.design_effect:.1f}",
     )
 
@@ -67,9 +68,12 @@ def _lead(found: CalibratedStudy, before: Agreement, after: Agreement) -> str:
     if not found.held_out:
         return words + " All values are of one day: no day is left to test the result."
     better = sum(one.after.variation < one.before.variation for one in found.held_out)
+    count = sum(one.count for one in found.held_out)
+    within = sum(one.count * one.within for one in found.held_out) / count
     return words + (
         " On days that were not used for the fit, the scatter is smaller on"
-        f" {better} of {len(found.held_out)}."
+        f" {better} of {len(found.held_out)}, and {100 * within:.0f} % of the values"
+        " are within the 95 % range of their predictions."
     )
 
 

@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.matrix.error_components import UNIT
+from clerestory.phases.illuminance import PARTS
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.scene.material_parameters import with_parameters
 from clerestory.sky.weather import Weather
@@ -38,6 +40,13 @@ class Situation:
     def groups(self) -> int:
         """Return the number of window groups, or of scenes with glazing."""
         return len(self.matrices.windows)
+
+    def error_components(self) -> Float[np.ndarray, "component sensor time"]:
+        """Return the error components of the illuminance [lux]."""
+        found = self.matrices.illuminance(self.skies, self.states)
+        sizes = found["standard_error"].values / np.float32(UNIT)
+        parts = found[PARTS].values * sizes[:, None]
+        return np.asarray(parts.transpose(1, 0, 2))
 
     def lux(
         self, group: int | None = None, source: Source = "both"

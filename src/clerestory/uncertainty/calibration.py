@@ -4,108 +4,38 @@ Bounded nonlinear least squares (Gauss–Newton with a trust region) of relative
 deviations, with the distributions of the quantities as priors. Near the optimum the
 model is linear, and the posterior is normal: its covariance is the inverse of the
 curvature, cut to the bounds. The relative error of the measurements is estimated from
-the residuals. Residuals of one time step or one sensor are often alike; the design
-effect of such clusters widens the posterior. If few independent values are left, it
-has the variance of Student's t.
+the residuals. Residuals of one time step are often alike; the design effect of such
+clusters widens the posterior. So do errors that the values of a sensor have in common:
+its own, and the standard error of the simulation. If few independent values are left,
+it has the variance of Student's t.
 
 References: A. Tarantola, Inverse Problem Theory, 2005, chapter 3; L. Kish, Survey
 Sampling, 1965 (design effect); A. Gelman et al., Bayesian Data Analysis, 2013, 14.2.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float, Int
 from scipy import optimize
 
-from clerestory.brief_repr import brief
 from clerestory.checks import require, same_length
 from clerestory.uncertainty.draws import Unknown
+from clerestory.uncertainty.posterior import Calibration
+from clerestory.uncertainty.residual_covariance import (
+    SensorErrors,
+    Whitening,
+    design_effect,
+    scale_of,
+    sensor_deviation,
+    whitening,
+)
 
 # Function of the quantities, in the order of the unknowns, that returns values
 Predict = Callable[[Float[np.ndarray, " unknown"]], Float[np.ndarray, " pair"]]
 
-# Values below this share of the median have the absolute error of that share
-_LOW = 0.2
-
-# Singular value, in standard deviations of the prior, from which data tell a
-# combination of quantities, and correlation from which two cannot be told apart
-_TOLD, _ALIKE = 1.0, 0.9
-
 _REWEIGHTED = 20
-
-
-@dataclass(frozen=True, eq=False)
-class Calibration:
-    """Fitted quantities and their posterior.
-
-    Attributes
-    ----------
-    unknowns : quantities with their priors
-    values : most probable values
-    covariance : covariance of the posterior
-    relative_error : relative error of a measured value, estimated from the residuals
-    design_effect : factor by which correlation of the residuals raises variances
-    information : singular values of the data's sensitivity, in standard deviations of
-        the priors; combinations with values below 1 are told by the priors
-    combinations : combination of quantities of each singular value, over
-        (combination, unknown)
-    """
-
-    unknowns: tuple[Unknown, ...]
-    values: Float[np.ndarray, " unknown"]
-    covariance: Float[np.ndarray, "unknown unknown"]
-    relative_error: float
-    design_effect: float
-    information: Float[np.ndarray, " combination"]
-    combinations: Float[np.ndarray, "combination unknown"]
-
-    __repr__ = brief
-
-    @property
-    def deviations(self) -> Float[np.ndarray, " unknown"]:
-        """Standard deviations of the posterior."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
-
-    @property
-    def correlations(self) -> Float[np.ndarray, "unknown unknown"]:
-        """Correlations of the posterior."""
-        return np.asarray(self.covariance / np.outer(self.deviations, self.deviations))
-
-    @property
-    def condition(self) -> float:
-        """Ratio of the largest to the smallest singular value."""
-        smallest = float(self.information.min())
-        return float(self.information.max()) / smallest if smallest > 0 else np.inf
-
-    def untold(self) -> list[str]:
-        """Return names of quantities about which the data tell little.
-
-        Their posterior has at least 80 % of the standard deviation of the prior.
-        """
-        return [
-            unknown.name
-            for unknown, deviation in zip(self.unknowns, self.deviations, strict=True)
-            if deviation > 0.8 * unknown.distribution.standard_deviation
-        ]
-
-    def alike(self) -> list[tuple[str, str, float]]:
-        """Return pairs that the data cannot tell apart, and their correlation."""
-        found, names = self.correlations, [each.name for each in self.unknowns]
-        rows, columns = np.nonzero(np.triu(np.abs(found) > _ALIKE, k=1))
-        pairs = zip(rows.tolist(), columns.tolist(), strict=True)
-        return [(names[k], names[m], float(found[k, m])) for k, m in pairs]
-
-    def at_bounds(self) -> list[str]:
-        """Return names of quantities whose value is at an end of its range."""
-        found = []
-        for unknown, value in zip(self.unknowns, self.values, strict=True):
-            own = unknown.distribution
-            near = 0.01 * own.standard_deviation
-            if min(value - own.low, own.high - value) < near:
-                found.append(unknown.name)
-        return found
 
 
 def calibrate(
@@ -114,6 +44,7 @@ def calibrate(
     unknowns: Sequence[Unknown],
     *,
     clusters: Sequence[Int[np.ndarray, " pair"]] = (),
+    common: SensorErrors | None = None,
     relative_error: float | None = None,
 ) -> Calibration:
     """Return the quantities with which a model agrees best with measurements.
@@ -123,8 +54,10 @@ def calibrate(
     predict : model
     measured : measured values
     unknowns : quantities and their priors
-    clusters : for each way in which errors may be alike, such as by time step or by
-        sensor, the number of the cluster of each value
+    clusters : for each way in which errors may be alike, such as by time step, the
+        number of the cluster of each value
+    common : errors that values of a sensor have in common; the deviation of sensors is
+        estimated, if `relative_error` is. None by default
     relative_error : relative error of a measured value; by default it is estimated
 
     Examples
@@ -143,21 +76,57 @@ def calibrate(
     values, error, effect = start, relative_error or 0.1, 1.0
     for _ in range(_REWEIGHTED):
         before = values, error * np.sqrt(effect)
-        weight = 1 / (before[1] * _scale(predict(values)))
-        values = _solve(predict, measured, unknowns, weight, start=values)
-        residual = (measured - predict(values)) / _scale(predict(values))
+        whiten = whitening(predict(values), before[1], common)
+        values = _solve(predict, measured, unknowns, whiten, start=values)
+        projection = _projection(predict, unknowns, values, whiten)
+        predicted = predict(values)
+        gap = measured - predicted
+        same = True
+        # Residuals in units of the independent error
+        residual = whitening(predicted, error, common)(gap)
         if relative_error is None:
-            told = max(len(measured) - len(unknowns), 1)
-            error = max(float(np.sqrt(np.sum(residual**2) / told)), 1e-6)
-        effect = max([1.0, *(_design_effect(residual, own) for own in clusters)])
-        same = np.allclose(before[0], values, rtol=1e-6)
+            told = max(len(measured) - float(np.sum(projection**2)), 1.0)
+            error = max(error * float(np.sqrt(np.sum(residual**2) / told)), 1e-6)
+        effect = max(
+            [1.0, *(design_effect(residual, projection, own) for own in clusters)]
+        )
+        if common is not None and relative_error is None:
+            scale, own = scale_of(predicted), error * float(np.sqrt(effect))
+            sensor = sensor_deviation(
+                gap / scale, projection, own, common, predicted / scale
+            )
+            same = abs(sensor - common.deviation) < 1e-3 * error
+            common = replace(common, deviation=sensor)
+        same = same and np.allclose(before[0], values, rtol=1e-6)
         if same and abs(before[1] / (error * np.sqrt(effect)) - 1) < 1e-4:
             break
-    found = _posterior(predict, unknowns, values, error, effect)
+    found = _posterior(predict, unknowns, values, error, effect, common)
     if relative_error is not None:
         return found
-    wider = _unknown_error(len(measured), effect, len(unknowns))
-    return replace(found, covariance=_cut(found.covariance * wider, unknowns))
+    freedom = max(_independent(len(measured), found) - len(unknowns), 3.0)
+    wider = found.covariance * freedom / (freedom - 2)
+    return replace(found, covariance=_cut(wider, unknowns))
+
+
+def prediction_deviations(
+    predict: Predict, found: Calibration, common: SensorErrors | None = None
+) -> Float[np.ndarray, " pair"]:
+    """Return standard deviations of measured values about predicted ones.
+
+    They are due to the error of a measured value and of a sensor, the posterior of the
+    quantities, and the error of the simulation in `common`. `predict` may be of values
+    that were not fitted.
+    """
+    predicted = predict(found.values)
+    spread = np.array([u.distribution.standard_deviation for u in found.unknowns])
+    slopes = _sensitivity(predict, found.unknowns, found.values) / spread
+    own = found.relative_error * scale_of(predicted)
+    variance = own**2 + np.einsum("pi,ij,pj->p", slopes, found.covariance, slopes)
+    if common is not None:
+        scale = scale_of(predicted)
+        parts = replace(common, deviation=found.sensor_error).scaled(predicted / scale)
+        variance += scale**2 * np.sum(parts**2, axis=1)
+    return np.asarray(np.sqrt(variance))
 
 
 def profile(
@@ -179,8 +148,7 @@ def profile(
         [found.values[number] - reach, found.values[number] + reach], own.low, own.high
     )
     places = np.linspace(float(ends[0]), float(ends[1]), count)
-    error = found.relative_error * np.sqrt(found.design_effect)
-    weight = 1 / (error * _scale(predict(found.values)))
+    whiten = _whitening_of(found, predict)
     others = [k for k in range(len(found.unknowns)) if k != number]
     rest = [found.unknowns[k] for k in others]
     losses = []
@@ -193,10 +161,10 @@ def profile(
 
         theta = found.values[others]
         if rest:
-            theta = _solve(of, measured, rest, weight, start=theta)
+            theta = _solve(of, measured, rest, whiten, start=theta)
         whole = np.full(len(found.unknowns), place)
         whole[others] = theta
-        gap = (measured - predict(whole)) * weight
+        gap = whiten(measured - predict(whole))
         losses.append(float(gap @ gap + np.sum(_prior(found.unknowns, whole) ** 2)))
     return places, np.array(losses[1:]) - losses[0]
 
@@ -205,12 +173,12 @@ def _solve(
     predict: Predict,
     measured: np.ndarray,
     unknowns: Sequence[Unknown],
-    weight: np.ndarray,
+    whiten: Whitening,
     *,
     start: np.ndarray,
 ) -> np.ndarray:
     def residuals(theta: np.ndarray) -> np.ndarray:
-        gap = (predict(theta) - measured) * weight
+        gap = whiten(predict(theta) - measured)
         return np.concatenate([gap, _prior(unknowns, theta)])
 
     ends = [(u.distribution.low, u.distribution.high) for u in unknowns]
@@ -237,30 +205,60 @@ def _prior(unknowns: Sequence[Unknown], theta: np.ndarray) -> np.ndarray:
     return found
 
 
+def _whitening_of(found: Calibration, predict: Predict) -> Whitening:
+    deviation = found.relative_error * float(np.sqrt(found.design_effect))
+    return whitening(predict(found.values), deviation, found.common)
+
+
+def _sensitivity(
+    predict: Predict, unknowns: Sequence[Unknown], values: np.ndarray
+) -> np.ndarray:
+    # Change of the predicted values by one standard deviation of each prior
+    spread = np.array([u.distribution.standard_deviation for u in unknowns])
+    columns = []
+    for number, step in enumerate(1e-3 * spread):
+        own = np.zeros(len(values))
+        own[number] = step
+        columns.append((predict(values + own) - predict(values - own)) / 2e-3)
+    return np.stack(columns, axis=1)
+
+
+def _informed(unknowns: Sequence[Unknown]) -> np.ndarray:
+    # Uniform distributions give no information but their bounds
+    known = [float(u.distribution.shape != "uniform") for u in unknowns]
+    return np.maximum(known, 1e-6)
+
+
+def _projection(
+    predict: Predict,
+    unknowns: Sequence[Unknown],
+    values: np.ndarray,
+    whiten: Whitening,
+) -> np.ndarray:
+    # Q, where Q Qᵀ takes measured to fitted values; the rows of the priors are left out
+    scaled = whiten(_sensitivity(predict, unknowns, values))
+    rows = np.concatenate([scaled, np.diag(np.sqrt(_informed(unknowns)))])
+    return np.asarray(np.linalg.qr(rows)[0][: len(scaled)])
+
+
 def _posterior(
     predict: Predict,
     unknowns: Sequence[Unknown],
     values: np.ndarray,
     error: float,
     effect: float,
+    common: SensorErrors | None,
 ) -> Calibration:
     spread = np.array([u.distribution.standard_deviation for u in unknowns])
-    weight = 1 / (error * np.sqrt(effect) * _scale(predict(values)))
-    columns = []
-    for number, step in enumerate(1e-3 * spread):
-        own = np.zeros(len(values))
-        own[number] = step
-        columns.append((predict(values + own) - predict(values - own)) / (2 * step))
-    scaled = weight[:, None] * np.stack(columns, axis=1) * spread
+    whiten = whitening(predict(values), error * float(np.sqrt(effect)), common)
+    scaled = whiten(_sensitivity(predict, unknowns, values))
     _, singular, combinations = np.linalg.svd(scaled, full_matrices=False)
-    # Uniform distributions give no information but their bounds
-    informed = np.array([float(u.distribution.shape != "uniform") for u in unknowns])
-    curvature = scaled.T @ scaled + np.diag(np.maximum(informed, 1e-6))
-    covariance = np.linalg.inv(curvature) * np.outer(spread, spread)
-    covariance = _cut(covariance, unknowns)
+    curvature = scaled.T @ scaled + np.diag(_informed(unknowns))
+    covariance = _cut(np.linalg.inv(curvature) * np.outer(spread, spread), unknowns)
     return Calibration(
-        tuple(unknowns), values, covariance, error, effect, singular, combinations
-    )
+        tuple(unknowns), values, covariance, error, effect, singular, combinations,
+        common,
+    )  # fmt: skip
 
 
 def _cut(covariance: np.ndarray, unknowns: Sequence[Unknown]) -> np.ndarray:
@@ -270,16 +268,15 @@ def _cut(covariance: np.ndarray, unknowns: Sequence[Unknown]) -> np.ndarray:
     return np.asarray(covariance * np.outer(limit, limit))
 
 
-def _unknown_error(count: int, effect: float, unknowns: int) -> float:
-    # Variance of Student's t, as the error is estimated from few independent values
-    freedom = max(count / effect - unknowns, 3.0)
-    return (freedom + unknowns) / freedom * freedom / (freedom - 2)
-
-
-def _scale(predicted: np.ndarray) -> np.ndarray:
-    # Values to which errors are relative
-    size = np.abs(predicted)
-    return np.asarray(np.maximum(size, _LOW * float(np.median(size))))
+def _independent(count: int, found: Calibration) -> float:
+    # Number of independent values that tell their error
+    effect = found.design_effect
+    if found.common is not None:
+        ratio = found.sensor_error**2
+        share = ratio / (ratio + found.relative_error**2)
+        size = count / len(np.unique(found.common.sensors))
+        effect = max(effect, 1 + (size - 1) * share)
+    return count / effect
 
 
 def _inside(unknowns: Sequence[Unknown], values: np.ndarray) -> np.ndarray:
@@ -288,17 +285,3 @@ def _inside(unknowns: Sequence[Unknown], values: np.ndarray) -> np.ndarray:
     ).T
     finite = np.where(np.isfinite(high - low), high - low, 1.0)
     return np.asarray(np.clip(values, low + 1e-6 * finite, high - 1e-6 * finite))
-
-
-def _design_effect(residual: np.ndarray, cluster: np.ndarray) -> float:
-    # 1 + (m − 1) ρ, with the correlation ρ of residuals within clusters of m values
-    _, number, count = np.unique(cluster, return_inverse=True, return_counts=True)
-    size, groups = len(residual), len(count)
-    if groups < 2 or size == groups:
-        return 1.0
-    mean = np.bincount(number, residual) / count
-    typical = (size - np.sum(count**2) / size) / (groups - 1)
-    between = float(np.sum(count * (mean - residual.mean()) ** 2)) / (groups - 1)
-    within = float(np.sum((residual - mean[number]) ** 2)) / (size - groups)
-    shared = (between - within) / (between + (typical - 1) * within)
-    return 1 + (typical - 1) * max(shared, 0.0)

@@ -2,11 +2,17 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from clerestory.errors import InputError
-from clerestory.uncertainty.calibration import calibrate, profile
+from clerestory.uncertainty.calibration import (
+    calibrate,
+    prediction_deviations,
+    profile,
+)
 from clerestory.uncertainty.distributions import normal, uniform
 from clerestory.uncertainty.draws import Unknown
+from clerestory.uncertainty.residual_covariance import SensorErrors, design_effect
 
 PLACES = np.linspace(1.0, 3.0, 200)
 
@@ -92,6 +98,58 @@ def test_errors_that_a_time_step_has_in_common_widen_the_posterior():
     # Ten equal values tell what one tells
     assert found.design_effect == pytest.approx(10, rel=0.05)
     assert (found.deviations >= alone.deviations).all()
+
+
+def test_the_error_of_the_simulation_widens_the_posterior_as_in_the_closed_form():
+    """Two sensors of 50 values: variance of a mean with an error in common."""
+    own, common, count = 0.05, np.array([0.01, 0.04]), 50
+    sensors = np.repeat([0, 1], count)
+    components = (common[sensors] / np.sqrt(2))[:, None] * np.array([[1.0, -1.0]])
+    found = calibrate(
+        lambda theta: np.full(2 * count, 1000 * theta[0]),
+        np.full(2 * count, 800.0),
+        [Unknown("glass", uniform(0.1, 1.0), 0.7)],
+        common=SensorErrors(sensors, components),
+        relative_error=own,
+    )
+    variance = 1 / np.sum(1 / (own**2 / count + common**2))
+    assert found.values[0] == pytest.approx(0.8, rel=1e-6)
+    assert found.deviations[0] / 0.8 == pytest.approx(np.sqrt(variance), rel=1e-3)
+
+
+def test_the_truth_is_found_with_errors_that_sensors_and_the_simulation_have():
+    """Known and unknown errors of 20 sensors; 95 % of regions contain the truth."""
+    rng, sensors = np.random.default_rng(11), np.repeat(np.arange(20), 10)
+    known = np.linspace(0.005, 0.05, 20)[sensors, None] / np.sqrt(8) * np.ones(8)
+    distances, within = [], []
+    for _ in range(100):
+        truth = np.array([rng.normal(0.8, 0.05), rng.normal(0.3, 0.1)]).clip(0.05, 0.99)
+        noise = 1 + 0.03 * rng.standard_normal(20)[sensors]
+        noise += (known * rng.standard_normal((20, 8))[sensors]).sum(axis=1)
+        noise += 0.05 * rng.standard_normal(PLACES.size)
+        measured, error = room(truth) * noise, SensorErrors(sensors, known)
+        found = calibrate(room, measured, UNKNOWNS, common=error)
+        gap = found.values - truth
+        distances.append(gap @ np.linalg.solve(found.covariance, gap))
+        deviation = prediction_deviations(room, found, error)
+        within.append(np.abs(measured - room(found.values)) < 1.96 * deviation)
+    # 95 of 100 expected, standard deviation 2.2
+    assert 89 <= np.sum(np.array(distances) < stats.chi2(2).ppf(0.95)) <= 100
+    assert np.mean(within) == pytest.approx(0.95, abs=0.015)
+
+
+def test_a_fit_does_not_hide_the_correlation_of_a_few_clusters():
+    """The mean design effect of 6 clusters is the true one, with four unknowns."""
+    rng, number = np.random.default_rng(2), np.repeat(np.arange(6), 20)
+    sensitivity = np.vander(np.arange(6) / 5, 4)[number]
+    basis = np.linalg.qr(sensitivity)[0]
+    effects = []
+    for _ in range(400):
+        error = rng.standard_normal(6)[number] + rng.standard_normal(120)
+        residual = error - basis @ (basis.T @ error)
+        effects.append(design_effect(residual, basis, number))
+    # 1 + 19 · ½; the estimate of ρ from two degrees of freedom scatters
+    assert np.median(effects) == pytest.approx(10.5, rel=0.25)
 
 
 def test_the_profile_rises_by_one_at_a_standard_deviation():
