@@ -107,7 +107,11 @@ def repeat(folder, number):
 
 @pytest.mark.slow
 def test_true_reflectances_are_within_95_percent_in_19_of_20_rooms(tmp_path):
-    """The region of 95 % is the ellipsoid of the three reflectances together."""
+    """The region of 95 % is the ellipsoid of the three reflectances together.
+
+    A region of exactly 95 % has the truth in 19 of 20 on average, with a standard
+    deviation of 1; of 60 single values, which are correlated, 57 with one of 2 to 3.
+    """
     inside, single, told = [], [], []
     for number in range(REPEATS):
         gap, found = repeat(tmp_path / str(number), number)
@@ -116,7 +120,7 @@ def test_true_reflectances_are_within_95_percent_in_19_of_20_rooms(tmp_path):
         inside.append(distance < stats.chi2(len(MATERIALS)).ppf(0.95))
         single += (np.abs(gap) < 1.96 * fit.deviations).tolist()
         told += [one.within for one in found.held_out]
-    assert sum(inside) >= 19
-    assert sum(single) >= 54
+    assert 18 <= sum(inside) <= 20
+    assert 54 <= sum(single) <= 60
     # Values of days that were not used, within the 95 % of their predictions
     assert np.mean(told) == pytest.approx(0.95, abs=0.02)

@@ -27,6 +27,7 @@ from clerestory.uncertainty.residual_covariance import (
     SensorErrors,
     Whitening,
     design_effect,
+    freedom_of_errors,
     scale_of,
     sensor_deviation,
     whitening,
@@ -103,7 +104,7 @@ def calibrate(
     found = _posterior(predict, unknowns, values, error, effect, common)
     if relative_error is not None:
         return found
-    freedom = max(_independent(len(measured), found) - len(unknowns), 3.0)
+    freedom = max(freedom_of_errors(projection, effect, common), 3.0)
     wider = found.covariance * freedom / (freedom - 2)
     return replace(found, covariance=_cut(wider, unknowns))
 
@@ -266,17 +267,6 @@ def _cut(covariance: np.ndarray, unknowns: Sequence[Unknown]) -> np.ndarray:
     spread = np.array([u.distribution.standard_deviation for u in unknowns])
     limit = np.minimum(1.0, spread / np.sqrt(np.diag(covariance)))
     return np.asarray(covariance * np.outer(limit, limit))
-
-
-def _independent(count: int, found: Calibration) -> float:
-    # Number of independent values that tell their error
-    effect = found.design_effect
-    if found.common is not None:
-        ratio = found.sensor_error**2
-        share = ratio / (ratio + found.relative_error**2)
-        size = count / len(np.unique(found.common.sensors))
-        effect = max(effect, 1 + (size - 1) * share)
-    return count / effect
 
 
 def _inside(unknowns: Sequence[Unknown], values: np.ndarray) -> np.ndarray:

@@ -13,14 +13,15 @@ by the symmetric Σ^(-1/2), which keeps the order of the values.
 
 References: G. H. Golub, C. F. Van Loan, Matrix Computations, 2013, 6.1.2 (generalised
 least squares); L. Kish, Survey Sampling, 1965 (design effect); R. C. Paule, J. Mandel,
-Journal of Research of the National Bureau of Standards 87 (5), 1982 (τ).
+Journal of Research of the National Bureau of Standards 87 (5), 1982 (τ); F. E.
+Satterthwaite, Biometrics Bulletin 2 (6), 1946 (degrees of freedom).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy import optimize
+from scipy import optimize, sparse
 
 from clerestory.brief_repr import brief
 from clerestory.checks import same_length
@@ -68,23 +69,22 @@ class Whitening:
     ----------
     scale : value to which the error of each value is relative
     deviation : relative standard deviation of the independent errors
-    blocks : rows of each sensor, orthonormal directions of its error, and factors
+    directions : orthonormal directions of the errors of sensors, over (pair, direction)
+    factors : factor of each direction
     """
 
     scale: Float[np.ndarray, " pair"]
     deviation: float
-    blocks: tuple[tuple[np.ndarray, np.ndarray, np.ndarray], ...]
+    directions: sparse.csr_array
+    factors: Float[np.ndarray, " direction"]
 
     __repr__ = brief
 
     def __call__(self, values: Float[np.ndarray, "pair ..."]) -> np.ndarray:
         """Return values, or columns of them, with unit covariance."""
         found = (values.T / (self.deviation * self.scale)).T
-        for rows, directions, factors in self.blocks:
-            own = found[rows]
-            shares = directions.T @ own
-            found[rows] = own + directions @ (shares.T * (factors - 1)).T
-        return np.asarray(found)
+        shares = self.directions.T @ found
+        return np.asarray(found + self.directions @ (shares.T * (self.factors - 1)).T)
 
 
 def whitening(
@@ -111,14 +111,19 @@ def whitening(
     """
     scale = scale_of(predicted)
     if common is None:
-        return Whitening(scale, deviation, ())
+        nothing = sparse.csr_array((len(scale), 0))
+        return Whitening(scale, deviation, nothing, np.zeros(0))
     parts = common.scaled(predicted / scale) / deviation
-    blocks = []
-    for sensor in np.unique(common.sensors):
-        rows = np.flatnonzero(common.sensors == sensor)
+    order = np.argsort(common.sensors, kind="stable")
+    ends = np.flatnonzero(np.diff(common.sensors[order])) + 1
+    blocks, factors = [], []
+    for rows in np.split(order, ends):
         directions, sizes, _ = np.linalg.svd(parts[rows], full_matrices=False)
-        blocks.append((rows, directions, 1 / np.sqrt(1 + sizes**2)))
-    return Whitening(scale, deviation, tuple(blocks))
+        blocks.append(directions)
+        factors.append(1 / np.sqrt(1 + sizes**2))
+    sorted_rows = sparse.block_diag(blocks, format="csr")
+    found = sparse.csr_array(sorted_rows[np.argsort(order)])
+    return Whitening(scale, deviation, found, np.concatenate(factors))
 
 
 def scale_of(predicted: Float[np.ndarray, " pair"]) -> Float[np.ndarray, " pair"]:
@@ -197,6 +202,32 @@ def sensor_deviation(
         return 0.0
     high = float(np.sum(mean**2)) / max(free, 1.0)
     return float(np.sqrt(optimize.brentq(excess, 0.0, high)))
+
+
+def freedom_of_errors(
+    sensitivity: Float[np.ndarray, "pair unknown"],
+    effect: float,
+    common: SensorErrors | None,
+) -> float:
+    """Return the degrees of freedom from which the errors of a fit are estimated.
+
+    What means of sensors tell has the error of sensors, estimated from their number;
+    the rest has the error of values. Satterthwaite's formula joins both.
+
+    Parameters
+    ----------
+    sensitivity : Q, as in `design_effect`
+    effect : number of values that count as one
+    common : errors that values of a sensor have in common
+    """
+    fitted = float(np.sum(sensitivity**2))
+    within = max(len(sensitivity) / effect - fitted, 1.0)
+    if common is None or fitted == 0:
+        return within
+    _, number = np.unique(common.sensors, return_inverse=True)
+    taken = float(np.sum(_cluster_means(sensitivity, number) ** 2))
+    between, share = max(number.max() + 1 - taken, 1.0), taken / fitted
+    return float(1 / (share**2 / between + (1 - share) ** 2 / within))
 
 
 def _cluster_means(values: np.ndarray, number: np.ndarray) -> np.ndarray:
