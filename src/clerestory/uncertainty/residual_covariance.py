@@ -83,6 +83,8 @@ class Whitening:
     def __call__(self, values: Float[np.ndarray, "pair ..."]) -> np.ndarray:
         """Return values, or columns of them, with unit covariance."""
         found = (values.T / (self.deviation * self.scale)).T
+        if not self.factors.size:
+            return np.asarray(found)
         shares = self.directions.T @ found
         return np.asarray(found + self.directions @ (shares.T * (self.factors - 1)).T)
 
