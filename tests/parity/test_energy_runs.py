@@ -256,7 +256,7 @@ def test_prediction_saves_energy_within_the_glare_limit(folder):
 def test_surfaces_absorb_the_given_radiation(folder, states):
     """What EnergyPlus reports is what the matrices give, surface by surface."""
     predictive_study("matrices")
-    week = "RunPeriod,Year,6,1,,6,7"
+    week = "RunPeriod,Year,12,1,,12,7"
     text = office("clear", states).replace("RunPeriod,Year,1,1,,12,31", week)
     # Luminaires without light, which would be absorbed as solar radiation is
     Path("office.idf").write_text(text.replace(LIGHTS, "LightingLevel,0,,,0,0.4,0.2"))
@@ -277,14 +277,20 @@ def test_surfaces_absorb_the_given_radiation(folder, states):
     )
     (window,) = solar.windows
     simulated = np.isfinite(values[0])
-    # EnergyPlus gives nothing in the part of an hour without sun
-    lit = simulated & (window.parts["incident"] > 20)
+    # Hours with sun before and after: EnergyPlus gives nothing in the part of an hour
+    # without sun
+    incident = window.parts["incident"]
+    lit = simulated & (incident > 20) & (np.roll(incident, 1) > 0)
+    lit &= np.roll(incident, -1) > 0
     for row, (surface, area) in zip(values, surfaces.items(), strict=False):
         expected = area * given[f"Solar on {surface}"]
         assert expected[lit].mean() > 10
         np.testing.assert_allclose(row[lit], expected[lit], rtol=0.02, atol=2.0)
     layers = 3 * window.parts["absorbed"]
-    np.testing.assert_allclose(values[-1][lit], layers[lit], rtol=0.01, atol=1.0)
+    # In the first quarter of an hour in which the blind adds a layer, EnergyPlus does
+    # not give that layer its radiation
+    known = lit & (hours % 10 != 5)
+    np.testing.assert_allclose(values[-1][known], layers[known], rtol=0.01, atol=1.0)
 
     # Radiation into the zone is absorbed by surfaces and layers, or returned
     areas = {s: 20.0 if s in ("Floor", "Ceiling") else 15.0 for s in EVERY}
