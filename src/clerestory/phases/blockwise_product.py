@@ -61,6 +61,10 @@ from clerestory.sky.sky_product import lit_steps
 # files, and result
 _LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 25, 1 << 29, 1 << 26
 
+# Sky patches per time step of the smallest block: reading D then takes little of the
+# time, and the exiting radiance takes a quarter of the memory of D
+_PATCHES = 4
+
 
 @dataclass(frozen=True, eq=False)
 class Components:
@@ -190,7 +194,8 @@ class BlockwiseProduct:
         layers = sum(layers_of(found, errors=self.errors) for found in parts)
         stored = isinstance(parts[0][0].receiving[0], StoredColumns)
         light = _LIGHT_OF_FILES if stored else _LIGHT
-        most = max(16, light // max(1, exiting))
+        least = max(16, self.skies.whole.rows.size // _PATCHES)
+        most = max(least, light // max(1, exiting))
         for times, inside in self._times(lit, most):
             factors = [
                 factor

@@ -58,23 +58,32 @@ class PatchLight:
 
     def received(self, matrix: Layers) -> Received:
         """Multiply a matrix and its error components by the radiance."""
+        seen = np.flatnonzero(matrix.any(axis=(0, 1, 2)))
+        values = self.values
+        if 2 * len(seen) < matrix.shape[3]:
+            # Receivers of one room, with windows of all rooms
+            matrix, values = matrix[..., seen], values[:, seen]
         if not self.summed:
-            return np.asarray(matrix @ self.values)
-        wide, light = _folded(matrix, self.values)
+            return np.asarray(matrix @ values)
+        wide, light = _folded(matrix, values)
         return np.asarray(wide @ light)[:, None]
 
     def spread(
         self, values: Float32[np.ndarray, "channel row column"]
     ) -> list[Received]:
-        """Multiply a matrix by the error components of the radiance of each window."""
+        """Multiply a matrix by the error components of the radiance of each window.
+
+        Windows that no receiver sees have no components.
+        """
         found, first = [], 0
         for parts in self.components:
-            columns = slice(first, first + parts.shape[2])
-            first = columns.stop
+            last = first + parts.shape[2]
+            seen, first = values[..., first:last], last
+            errors = parts if seen.any() else parts[:0]
             if len(parts) and not self.summed:
-                found.append(np.asarray(values[..., columns] @ parts))
+                found.append(np.asarray(seen @ errors))
             elif len(parts):
-                wide, light = _folded(values[None, :, :, columns], parts)
+                wide, light = _folded(seen[None], errors)
                 found.append((wide @ light)[:, None])
         return found
 
@@ -84,7 +93,8 @@ def _folded(matrix: Layers, light: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     # (…, channel × patch, step). The light is summed first if the matrix is grey
     layers, channels, rows, columns = matrix.shape
     if channels == 1:
-        return matrix[:, 0], light.sum(axis=-3)
+        one = light.shape[-3] == 1
+        return matrix[:, 0], light[..., 0, :, :] if one else light.sum(axis=-3)
     wide = np.moveaxis(matrix, 1, 2).reshape(layers, rows, channels * columns)
     light = np.broadcast_to(light, (*light.shape[:-3], channels, *light.shape[-2:]))
     return wide, light.reshape(*light.shape[:-3], channels * columns, light.shape[-1])
@@ -157,6 +167,8 @@ def sky_product(
     """Return the product of matrices and sky radiance, as a weighted sum of bands."""
     patches = values.shape[-1]
     shape = len(weights), patches
+    if values.shape[-3] == 1:
+        return np.asarray(values.reshape(-1, patches) @ _weighted(sky, weights))
     found = np.zeros((values[..., 0, :, 0].size, len(sky.times)), np.float32)
     for one in sky.parts:
         if one.diffuse.any():
@@ -166,6 +178,19 @@ def sky_product(
             tint = np.broadcast_to(one.sun_colour[:, None], shape)
             rows = fold(values, tint, weights).reshape(-1, patches)
             found += (one.sun.T @ np.ascontiguousarray(rows.T)).T
+    return found
+
+
+def _weighted(
+    sky: SkyMatrix, weights: Float[np.ndarray, " band"]
+) -> Float32[np.ndarray, "patch step"]:
+    # Radiance of sky and sun, summed over bands: what a grey matrix multiplies
+    found: np.ndarray = np.zeros(sky.parts[0].diffuse.shape, np.float32)
+    for one in sky.parts:
+        tint = np.broadcast_to(one.colour, (len(weights), len(found)))
+        found += (weights @ tint).astype(np.float32)[:, None] * one.diffuse
+        sun = one.sun.tocoo()
+        found[sun.row, sun.col] += np.float32(weights @ one.sun_colour) * sun.data
     return found
 
 

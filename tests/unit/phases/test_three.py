@@ -1,11 +1,15 @@
 """The equation I = V T D S on matrices whose product is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.sparse import csc_array
 
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.column_light import sky_product
 from clerestory.phases.illuminance import illuminance
 from clerestory.phases.matrix_equation import (
     MatrixChain,
@@ -174,3 +178,38 @@ def test_the_error_of_a_mean_comes_from_its_components(moving):
     np.testing.assert_allclose(error, 3 * one, rtol=0.01)
     hourly = found["standard_error"].values
     np.testing.assert_allclose(hourly[:, 1], 2 * hourly[:, 0], rtol=1e-4)
+
+
+def test_windows_that_no_sensor_sees_change_nothing():
+    """Only the first of three windows is seen; D of all of them has errors."""
+    rng = np.random.default_rng(5)
+    windows = [
+        window_matrices(
+            view(name, rng=rng, count=5 if share else 0, share=share),
+            transmission(0.5),
+            daylight(name, rng=rng, count=4),
+        )
+        for name, share in (("a", 0.3), ("b", 0.0), ("c", 0.0))
+    ]
+    alone, all_of_them = (three_phase(w, uniform_sky()) for w in (windows[:1], windows))
+    assert np.all(alone["standard_error"][:, :2] > 0)
+    for name in ("illuminance", "standard_error"):
+        np.testing.assert_allclose(all_of_them[name], alone[name], rtol=1e-5)
+
+
+def test_a_grey_matrix_under_a_coloured_sky_equals_one_of_three_equal_channels():
+    random = np.random.default_rng(6)
+    sun = np.zeros((len(SKY), 3), np.float32)
+    sun[[20, 31], [0, 2]] = 500.0, 300.0
+    sky = replace(
+        uniform_sky(),
+        colour=random.random((3, len(SKY))),
+        sun=csc_array(sun),
+        sun_colour=np.array([1.2, 1.0, 0.5]),
+    )
+    grey = random.random((2, 1, 5, len(SKY)), dtype=np.float32)
+    coloured = np.repeat(grey, 3, axis=1)
+    weights = np.array([47.4, 119.9, 11.6])
+    np.testing.assert_allclose(
+        sky_product(grey, sky, weights), sky_product(coloured, sky, weights), rtol=1e-5
+    )
