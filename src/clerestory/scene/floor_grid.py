@@ -224,7 +224,7 @@ def _filled(
             require(
                 max(map(abs, there)) <= most,
                 f"the room behind the window is open or extends {_LARGEST:g} m;"
-                " a closed room or a sensor file expected",
+                " a closed room, its unit (--units) or a sensor file expected",
             )
             if there not in known:
                 known.add(there)

@@ -21,6 +21,7 @@ from clerestory.errors import InputError
 from clerestory.escaping import file_stems
 from clerestory.file_lock import locked
 from clerestory.files import make_folder, read_bytes, read_text, write_text
+from clerestory.library.bsdf_source import is_library_name
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_store import MatrixStore, SharedStore
 from clerestory.phases.recent_values import RecentValues
@@ -135,9 +136,10 @@ def _input_key(study: Study) -> str:
 
 
 def _paths(value: Any) -> Iterator[Path]:
-    # Paths of the input files of a study
+    # Paths of the input files of a study; built-in BSDFs are part of the package
     if isinstance(value, Path):
-        yield value
+        if not is_library_name(value):
+            yield value
     elif isinstance(value, BaseModel):
         yield from _paths(dict(value))
     elif isinstance(value, Mapping | list):

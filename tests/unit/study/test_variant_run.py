@@ -97,6 +97,19 @@ def test_finished_variants_are_not_run_again(sweep, engine, tmp_path, monkeypatc
         run_variants(read_variants(sweep), out=out)
 
 
+def test_built_in_products_are_variants(study_file, engine, tmp_path):
+    """Their names are not paths: nothing is read from the folder of the study."""
+    text = study_file.read_text().replace('"diffuser.xml"', '"library:{glass}"')
+    text += '\n[sweep]\nglass = ["diffuser-30", "diffuser-80"]\n'
+    study_file.write_text(text)
+    runs = run_variants(read_variants(study_file), out=tmp_path / "out")
+    rows = figure_rows(runs, ("mean illuminance", "desk"))
+    assert 2 < rows[1][0].value / rows[0][0].value < 3  # .80 to .30
+    finished = json.loads((tmp_path / "out" / FINISHED_FILE).read_text())
+    assert sorted(finished) == ["diffuser-30", "diffuser-80"]
+    assert len(set(finished.values())) == 2
+
+
 def test_figures_of_all_variants_are_in_a_table_and_in_netcdf(sweep, engine, tmp_path):
     out = tmp_path / "out"
     runs = run_variants(read_variants(sweep), out=out)

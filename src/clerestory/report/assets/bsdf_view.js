@@ -93,7 +93,7 @@ class BsdfView {
     const source = this.lobes.point(theta, phi + Math.PI, 1, this.chosen("side") === "front" ? -1 : 1);
     this.lobes.show(parts, source);
     document.getElementById("lobe-words").textContent =
-      `length of the blocks: ${this.chosen("scale") === "log" ? "logarithm of the" : "the"} BSDF; yellow: incident light; drag to turn`;
+      `length of the blocks: ${this.chosen("scale") === "log" ? "logarithm of the" : "the"} BSDF; orange line: incident light; drag to turn`;
   }
 
   drawNothing() {
