@@ -146,7 +146,7 @@ def test_two_endless_planes_of_two_materials(device):
         },
         (sheet(0, "ground"), sheet(2, "sheet")),
     )
-    matrix = coefficients(scene, (0, 0, 1), UP, device, 1 << 17)
+    matrix = coefficients(scene, (0, 0, 1), UP, device, 1 << 20)
     r = c * (1 - t)
     rest = 1 - rho * r
     agrees(matrix.derivative("ground"), np.pi * c * t * r / rest**2, most=0.01)

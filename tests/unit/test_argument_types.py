@@ -67,7 +67,12 @@ def blank(cls):
 def call_with(name, wrong):
     """Call a function with one wrong argument."""
     positional, keywords = [], {}
-    for each in parameters(name):
+    known = {each.name for each in parameters(name)}
+    for each in inspect.signature(CHECKED[name]).parameters.values():
+        if each.name not in known:  # any value is accepted
+            if each.default is each.empty and each.kind is each.POSITIONAL_OR_KEYWORD:
+                positional.append(None)
+            continue
         value = Wrong() if each.name == wrong else stand_in(each.annotation)
         if each.kind is each.KEYWORD_ONLY:
             keywords[each.name] = value

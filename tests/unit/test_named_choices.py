@@ -105,11 +105,18 @@ ELSEWHERE = {
     "Cluster.unit_size device",
     "Effort device",
     "cross_validate symmetry",
+    "daylight_coefficients derivatives",
+    "daylight_matrices derivatives",
+    "daylight_matrix derivatives",
     "fit_measurement symmetry",
     "generate_bsdf basis",
     "generate_bsdf sides",
+    "illuminance_derivatives second",
+    "material_parameters names",
     "thermal_figures basis",
     "thermal_figures wavelengths",
+    "view_matrices derivatives",
+    "view_matrix derivatives",
     "write_matrix encoding",
 }
 

@@ -191,6 +191,8 @@ def _simulate(
         with log.phase("compliance"):
             standards = standards_named(study.compliance.standards)
             data = data.merge(compliance_table(assess(data, standards)))
+    if study.uncertainty is None:
+        return data
     with log.phase("uncertainty"):
         return data.merge(total_uncertainty(job, signals, acts.states, data))
 

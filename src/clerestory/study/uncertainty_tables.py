@@ -139,14 +139,14 @@ class UnknownTable(Named):
         other = next((key for key in given if key not in keys), None)
         require_rule(
             other is None,
-            f'"{other}" of a {self.shape} distribution;'
+            f'"{other}" of distribution "{self.shape}";'
             f" {', '.join(keys) or 'none of these keys'} expected",
         )
         missing = [key for key in keys if key not in given]
         usual = self.shape == "normal" or (self.kind == "dirt" and not given)
         require_rule(
             usual or self.kind == "weather" or not missing or missing == ["mode"],
-            f"a {self.shape} distribution without {' and '.join(missing)}; a number"
+            f'distribution "{self.shape}" without {" and ".join(missing)}; a number'
             " expected",
         )
         return self

@@ -54,10 +54,10 @@ def test_a_quantity_of_measurements_is_for_calibration_only(tmp_path):
         ('[[uncertainty.unknown]]\nkind = "reflectance"\n', 'without "material"'),
         ('[[uncertainty.unknown]]\nkind = "weather"\n', 'without "files"'),
         (FLOOR + 'window = "south"\n', 'kind "reflectance" with "window"'),
-        (FLOOR + "mode = 0.3\n", '"mode" of a normal distribution'),
+        (FLOOR + "mode = 0.3\n", '"mode" of distribution "normal"'),
         (
             FLOOR + 'distribution = "uniform"\nlow = 0.1\n',
-            "a uniform distribution without high",
+            'distribution "uniform" without high',
         ),
         (FLOOR + "standard_deviation = 0\n", "a number above 0"),
         (FLOOR + FLOOR, 'two quantities are named "floor reflectance"'),
