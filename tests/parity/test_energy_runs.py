@@ -287,8 +287,7 @@ def test_surfaces_absorb_the_given_radiation(folder, states):
         assert expected[lit].mean() > 10
         np.testing.assert_allclose(row[lit], expected[lit], rtol=0.02, atol=2.0)
     layers = 3 * window.parts["absorbed"]
-    # In the first quarter of an hour in which the blind adds a layer, EnergyPlus does
-    # not give that layer its radiation
+    # In the hour in which the blind adds a layer, EnergyPlus reports an eighth less
     known = lit & (hours % 10 != 5)
     np.testing.assert_allclose(values[-1][known], layers[known], rtol=0.01, atol=1.0)
 

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from clerestory.checks import one_of
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.derivatives import (
@@ -83,6 +84,7 @@ def illuminance_derivatives(
     ------
     MatrixError : no matrix has derivatives
     """
+    one_of(second, "second derivatives", choices=("all", "own", "none"))
     parameters = parameters_of(windows, terms)
     if not parameters:
         message = "no matrix has derivatives; matrices traced with `derivatives`"
