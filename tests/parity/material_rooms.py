@@ -32,14 +32,14 @@ POSITION = np.array([[1, 1, 0.8], [2, 3, 0.8], [1.5, 2, 1.5], [1, 3.5, 1.5]])
 DIRECTION = np.array([[0, 0, 1], [0, 0, 1], [-1, 0, 0], [0, -1, 0.0]])
 
 
-def seen_by_radiance(folder, files, *, bounces, highlight=32, divisions=1024):
+def seen_by_radiance(folder, files, *, bounces, highlight=32, divisions=1024, jitter=0):
     """Mean irradiance of the sensors and its standard error, by rtrace."""
     again = 32
     rays = np.repeat(np.concatenate([POSITION, DIRECTION], axis=1), again, axis=0)
     seen = run(
         f"oconv {files} > room.oct; rtrace -h -w -I -ab {bounces} -aa 0 -as 0"
         f" -ad {divisions} -st 0 -ss {highlight} -lw 1e-9"
-        " -lr 12 -dj 0 -ds 0 -dc 1 -dt 0 room.oct",
+        f" -lr 12 -dj {jitter} -ds 0 -dc 1 -dt 0 room.oct",
         folder=folder,
         stdin="\n".join(" ".join(map(str, ray)) for ray in rays),
     )

@@ -79,7 +79,7 @@ def test_an_open_room_is_refused(room):
     bare = type(scene)(
         scene.materials, tuple(s for s in scene.surfaces if s.name != "east")
     )
-    with pytest.raises(InputError, match="closed room or"):
+    with pytest.raises(InputError, match="closed room, its unit"):
         floor_grid(bare, window, spacing=2.0)
 
 
