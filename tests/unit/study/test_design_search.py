@@ -1,13 +1,19 @@
 """Search of designs: Pareto fronts by brute force, windows, and whole optimisations."""
 
 import csv
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import InputError
+from clerestory.hemisphere.klems import klems
 from clerestory.radiance.window_reader import read_windows
 from clerestory.study.config import read_study
+from clerestory.study.design_glare import GLARE, quadratic_basis
 from clerestory.study.design_run import optimise_study, reduced_windows
 from clerestory.study.design_search import (
     figure_names,
@@ -136,3 +142,90 @@ def test_impossible_limits_are_refused(tmp_path):
     limit = '[[optimise.limit]]\nfigure = "mean illuminance"\nleast = 1e6\n'
     with pytest.raises(InputError, match="no design is within the limits"):
         optimised(tmp_path, LIGHT + limit)
+
+
+def shaded_study(folder, text):
+    """The room of the command-line tests, with a diffuser of two states and a view."""
+    shutil.copytree(Path(__file__).parents[2] / "cli" / "room", folder)
+    for name, passed in (("bright", 0.6), ("dim", 0.1)):
+        write_bsdf(folder / f"{name}.xml", lambertian(passed, klems("quarter")))
+    file = folder / "study.toml"
+    study = file.read_text().replace('bsdf = "diffuser.xml"\n', "")
+    states = "".join(
+        f'\n[[window.state]]\nname = "{name}"\nbsdf = "{name}.xml"\n'
+        for name in ("bright", "dim")
+    )
+    head, rest = study.split("[[sensors]]", 1)
+    file.write_text(f"{head}{states}\n{text}\n[[sensors]]{rest}")
+    return file
+
+
+VIEW = """
+[[view]]
+name = "chair"
+position = [1.5, 2.0, 1.2]
+direction = [0, -1, 0]
+resolution = 64
+samples = 16
+"""
+GREY = """
+[optimise]
+candidates = 64
+designs = 2
+
+[[optimise.variable]]
+kind = "window share"
+window = "south"
+low = 0.05
+high = 1.0
+
+[[optimise.goal]]
+figure = "mean illuminance"
+"""
+
+
+def test_a_quadratic_function_is_found_again():
+    x = np.random.default_rng(2).uniform(-1, 1, (40, 3))
+    given = np.arange(10.0)
+    fit = np.linalg.lstsq(quadratic_basis(x), quadratic_basis(x) @ given, rcond=None)
+    assert fit[0] == pytest.approx(given)
+
+
+def test_a_limit_of_glare_dims_the_window(tmp_path):
+    """More light is better; the limit is kept by less light through the window."""
+    limit = f'[[optimise.limit]]\nfigure = "{GLARE}"\nmost = 20\n'
+    found = []
+    for name, more in (("free", ""), ("limited", limit)):
+        file = shaded_study(tmp_path / name, VIEW + GREY + more)
+        found.append(optimise_study(read_variants(file), out=tmp_path / name / "out"))
+    free, limited = (one.designs[0].values["south window share"] for one in found)
+    assert free == pytest.approx(1)
+    assert 0.05 < limited < free
+    assert found[1].designs[0].figures[GLARE, "chair"] <= 20
+
+
+def test_glare_without_a_view_is_refused(tmp_path):
+    limit = f'[[optimise.limit]]\nfigure = "{GLARE}"\nmost = 5\n'
+    file = shaded_study(tmp_path / "room", GREY + limit)
+    with pytest.raises(InputError, match="no view is wide enough for glare"):
+        optimise_study(read_variants(file), out=tmp_path / "out")
+
+
+def test_states_by_season_are_discrete_choices(tmp_path):
+    """Of four combinations of states, the bright one in both seasons gives most."""
+    control = """
+[window.control]
+rule = "season"
+
+[sweep]
+window.south.control.winter = ["bright", "dim"]
+window.south.control.summer = ["bright", "dim"]
+"""
+    file = shaded_study(tmp_path / "room", control + GREY)
+    variants = read_variants(file)
+    assert len(variants) == 4
+    found = optimise_study(variants, out=tmp_path / "out")
+    (best,) = found.designs
+    assert best.values == pytest.approx({"south window share": 1.0})
+    chosen = next(v for v in variants if v.name == best.variant).study.window[0].control
+    assert (chosen.winter, chosen.summer) == ("bright", "bright")
