@@ -93,3 +93,21 @@ def test_optimise_needs_its_table(tmp_path, call):
     done = call("optimise", write_room(tmp_path), "-o", tmp_path / "designs")
     assert done.status == 2
     assert "no table [optimise]" in done.err
+
+
+STANDARD = """
+[compliance]
+standards = ["EN 17037"]
+
+[uncertainty]
+draws = 256
+[[uncertainty.unknown]]
+kind = "sky"
+standard_deviation = 0.2
+[[uncertainty.unknown]]
+kind = "sun"
+standard_deviation = 0.2
+[[uncertainty.correlated]]
+unknowns = ["sky", "sun"]
+correlation = 1
+"""

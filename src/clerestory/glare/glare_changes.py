@@ -189,7 +189,8 @@ def changed_room(
     if tracer.sunlit and change:
         scene = with_parameters(scene, values)
     windows = tuple(_changed(each, change) for each in tracer.windows)
-    return replace(tracer, scene=scene, windows=windows)
+    # Not a copy of the tracer, which keeps beams of light in its own room
+    return ViewPointTracer(scene, windows, tracer.skies, tracer.terms)
 
 
 def _rooms(

@@ -14,8 +14,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from jaxtyping import Float, Int
-from scipy import stats
 
 from clerestory.brief_repr import brief
 from clerestory.engine.effort import Effort
@@ -131,7 +131,7 @@ def _trials(space: DesignSpace) -> Float[np.ndarray, "design variable"]:
     count = len(space.ends)
     axes = np.concatenate([np.eye(count), -np.eye(count)])
     more = max(2, (count + 1) * (count + 2) - len(axes) - 1)
-    sequence = stats.qmc.Sobol(count, rng=np.random.default_rng(1))
+    sequence = scipy.stats.qmc.Sobol(count, rng=np.random.default_rng(1))
     points = 2 * sequence.random_base2(int(np.ceil(np.log2(more))))[:more] - 1
     x = np.concatenate([np.zeros((1, count)), axes, points])
     middle, half = space.ends.mean(axis=1), np.ptp(space.ends, axis=1) / 2

@@ -151,7 +151,8 @@ def assessments(
     chosen, lux = standards_named(standards), data["illuminance"]
     count = min(len(next(iter(draws.values()))), _ASSESSED)
     noise = _deviations(data)
-    hourly = [name for name in data if str(name).endswith(("_error", "_components"))]
+    parts = (name for name in data if str(name).endswith(("_error", "_components")))
+    hourly = [name for name in parts if "time" in data[name].dims]
     bare = data.drop_vars(
         [*hourly, "standard_error", "error_components"], errors="ignore"
     )
