@@ -34,7 +34,8 @@ def file_or_name(check: Callable[[str], object]) -> BeforeValidator:
     def field(value: Any, info: Any) -> Path:
         # A name is not a path; it is checked with the study
         if not isinstance(value, str) or not value.startswith(LIBRARY_PREFIX):
-            return input_file(value, info)
+            path: Path = input_file(value, info)
+            return path
         try:
             check(value)
         except InputError as problem:

@@ -247,8 +247,8 @@ def _product(
     combinations = 1 + sum(chain.states - 1 for chain in found)
     if short:
         kinds = [[chain.at(0) for chain in found]] * combinations
-        each = np.full(combinations, steps // combinations)
-        short = coefficients_cost_less(kinds, rows, each)
+        counts = np.full(combinations, steps // combinations)
+        short = coefficients_cost_less(kinds, rows, counts)
     blocks = max(combinations, steps / together) if together else 1
     seconds = 0.0
     for chain in found:
