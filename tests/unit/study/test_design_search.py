@@ -151,10 +151,17 @@ def test_impossible_limits_are_refused(tmp_path):
 
 
 def shaded_study(folder, text):
-    """The room of the command-line tests, with a diffuser of two states and a view."""
+    """The room of the command-line tests under a bright sky, with two shade states."""
     shutil.copytree(Path(__file__).parents[2] / "cli" / "room", folder)
     for name, passed in (("bright", 0.6), ("dim", 0.1)):
         write_bsdf(folder / f"{name}.xml", lambertian(passed, klems("quarter")))
+    weather = folder / "two_days.wea"
+    lines = weather.read_text().splitlines()
+    bright = [
+        f"{head} {4 * float(diffuse):g}"
+        for head, diffuse in (line.rsplit(" ", 1) for line in lines[6:])
+    ]
+    weather.write_text("\n".join([*lines[:6], *bright]) + "\n")
     file = folder / "study.toml"
     study = file.read_text().replace('bsdf = "diffuser.xml"\n', "")
     states = "".join(
