@@ -35,6 +35,7 @@ from clerestory.phases.traced_matrices import (
     view_matrices,
 )
 from clerestory.sky.daylight_spectra import DaylightSpectra
+from clerestory.sky.measured_spectra import read_measured_spectra
 from clerestory.sky.sky_conditions import Spectrum
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
@@ -129,7 +130,15 @@ def _daylight_spectra(study: Study) -> DaylightSpectra | None:
     # Spectra of sky and sun; none in RGB
     if band_set(study.scene.bands) == RGB:
         return None
-    return DaylightSpectra(**study.sky.daylight.model_dump())
+    table = study.sky.daylight
+    files = {"measured_sky": table.sky_file, "measured_sun": table.sun_file}
+    measured = {
+        name: read_measured_spectra(file)
+        for name, file in files.items()
+        if file is not None
+    }
+    named = table.model_dump(exclude={"sky_file", "sun_file"})
+    return DaylightSpectra(**named, **measured)
 
 
 def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
