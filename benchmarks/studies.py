@@ -185,11 +185,11 @@ def page(found: dict[str, dict[str, Any]]) -> str:
     lines = [
         "# A gallery of studies",
         "",
-        "Seven rooms in `studies/`, each run by one command. Geometry, BSDFs and",
-        "weather are our own or in the public domain; `studies/make.py` makes the BSDFs from",
-        "parametric systems and the weather (Greensboro, TMY3) from pvlib's data. Each",
-        "can be copied and adapted to another room. Two more studies are not shown",
-        "here: `studies/crash_course_day` is an animation of one day, and",
+        "Seven rooms in `studies/`, each run by one command. Geometry, BSDFs and weather",
+        "are our own or public domain; `studies/make.py` makes the BSDFs from parametric",
+        "systems and the weather (Greensboro, TMY3) from pvlib's data. Each can be copied",
+        "and adapted to another room. Two more studies are not shown here:",
+        "`studies/crash_course_day` is an animation of one day, and",
         "`studies/office_standards` assesses the office with blinds by LM-83, LEED,",
         "EN 17037 and BREEAM, with glare at two seats and a title block.",
         "",
@@ -231,8 +231,8 @@ def words_of(one: dict[str, Any]) -> list[str]:
     if one.get("mean_melanopic_edi") is not None:
         lines.append(
             f"Melanopic EDI: {one['mean_melanopic_edi']:,.0f} lux on average, 250 lux"
-            f" in {100 * one['melanopic_autonomy']:.0f} % of the hours, and for four hours"
-            f" by noon on {100 * one['melanopic_days']:.0f} % of the days."
+            f" in {100 * one['melanopic_autonomy']:.0f} % of the hours, and for four"
+            f" hours by noon on {100 * one['melanopic_days']:.0f} % of the days."
         )
     if one["processor"] is not None:
         lines.append(f"The run took {one['processor']:.0f} s of processor time.")

@@ -3,6 +3,7 @@
 Only the shape of a spectrum is used: its level is set by the weather data.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -157,12 +158,10 @@ def _numbers(cells: list[str]) -> list[float]:
 
 
 def _time(cell: str) -> np.datetime64:
-    try:
+    with suppress(ValueError):
         found = np.datetime64(cell, "s")
-    except ValueError:
-        found = np.datetime64("NaT")
-    require(
-        not np.isnat(found),
-        f'the time is "{cell[:40]}"; a time such as 2026-06-20T12:00 expected',
+        if not np.isnat(found):
+            return found
+    raise InputError(
+        f'the time is "{cell[:40]}"; a time such as 2026-06-20T12:00 expected'
     )
-    return found

@@ -131,14 +131,12 @@ def _daylight_spectra(study: Study) -> DaylightSpectra | None:
     if band_set(study.scene.bands) == RGB:
         return None
     table = study.sky.daylight
-    files = {"measured_sky": table.sky_file, "measured_sun": table.sun_file}
-    measured = {
-        name: read_measured_spectra(file)
-        for name, file in files.items()
-        if file is not None
-    }
-    named = table.model_dump(exclude={"sky_file", "sun_file"})
-    return DaylightSpectra(**named, **measured)
+    sky, sun = (
+        None if file is None else read_measured_spectra(file)
+        for file in (table.sky_file, table.sun_file)
+    )
+    models = table.model_dump(exclude={"sky_file", "sun_file"})
+    return DaylightSpectra(**models, measured_sky=sky, measured_sun=sun)
 
 
 def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
