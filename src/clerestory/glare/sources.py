@@ -5,7 +5,6 @@ merged. Optionally, dark pixels surrounded by a source are added (smoothing) and
 are extracted.
 """
 
-import itertools
 import math
 import warnings
 from collections import deque
@@ -223,10 +222,10 @@ def tabulate(
 ) -> GlareSources:
     """Return the table of the sources of a picture, in the order of labels."""
     every = np.ones((1, len(members.label)), bool)
-    return tables(members, every, luminance[None], eye, zone=zone)[0]
+    return source_table(members, every, luminance[None], eye, zone=zone)
 
 
-def tables(
+def source_table(
     members: Members,
     own: Bool[np.ndarray, "picture member"],
     pictures: Pictures,
@@ -234,8 +233,8 @@ def tables(
     *,
     zone: Int[np.ndarray, " label"] | None = None,
     error: Image | None = None,
-) -> list[GlareSources]:
-    """Return the tables of the sources of pictures, in the order of labels.
+) -> GlareSources:
+    """Return the sources of pictures, in the order of pictures and labels.
 
     `own` are the members of the sources in each picture. `error` is the standard error
     of each pixel, independent of those of other pixels.
@@ -264,7 +263,7 @@ def tables(
     up, across = total(flux * (last - row)) / power, total(flux * column) / power
     up_pixel, column_pixel = (x.astype(np.float32).astype(int) for x in (up, across))
     at = last - up_pixel, column_pixel
-    found = GlareSources(
+    return GlareSources(
         luminance=power / solid_angle,
         solid_angle=solid_angle,
         position_index=eye.position_index[at],
@@ -278,6 +277,6 @@ def tables(
         if zone is None
         else zone[used % count],
         luminance_error=np.sqrt(total(noise**2)) / solid_angle,
+        step=used // count,
+        steps=len(pictures),
     )
-    first = np.searchsorted(used, count * np.arange(len(pictures) + 1))
-    return [found.select(np.arange(*some)) for some in itertools.pairwise(first)]
