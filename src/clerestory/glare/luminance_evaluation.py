@@ -4,22 +4,22 @@ The indices of many pictures of a view are computed together, since the formulas
 much longer to call than to evaluate.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import islice
 
 import numpy as np
 
-from clerestory.array_types import Image, Pictures
+from clerestory.array_types import EachGroup, Image, Pictures
 from clerestory.glare.index import EyePhotometry
 from clerestory.glare.index_settings import IndexSettings
 from clerestory.glare.indices import Glare, quantities_over_time
+from clerestory.glare.picture_sources import source_table
 from clerestory.glare.sources import (
     Members,
+    OwnMembers,
     SourceSearch,
     reference_luminance,
-    source_table,
 )
 from clerestory.glare.uncertainty import UncertainLuminance, index_errors
 from clerestory.glare.undersampled_sources import (
@@ -29,6 +29,9 @@ from clerestory.glare.undersampled_sources import (
 )
 from clerestory.glare.zones import Zones, cut_along
 from clerestory.scene.view import View
+
+# Pixels of the sources of a group of pictures, and those that each picture has
+Found = tuple[Members, OwnMembers]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,10 +71,15 @@ def evaluate_together(
 
     The settings of the pictures differ in the given illuminance only.
     """
-    parts = [
-        _Parts.of(picture, search, own, zones)
-        for picture, own in zip(pictures, settings, strict=True)
-    ]
+    groups: list[EachGroup] = []
+    for picture in pictures:
+        if isinstance(picture, UncertainLuminance):
+            groups += [picture.value[None], picture.pairs()]
+        else:
+            groups.append(picture[None])
+    found = zip(groups, search.members(groups), strict=True)
+    how = (_Photometry(search, own, zones) for own in settings)
+    parts = [_Parts.of(*each, found) for each in zip(pictures, how, strict=True)]
     every = [eye for part in parts for eye in part.eyes]
     quantities = quantities_over_time(EyePhotometry.joined(every))
     edges = np.cumsum([len(eye.average) for eye in every])
@@ -94,20 +102,24 @@ class _Parts:
     def of(
         cls,
         luminance: Image | UncertainLuminance,
-        search: SourceSearch,
-        settings: IndexSettings,
-        zones: Zones | None,
+        photometry: "_Photometry",
+        found: Iterator[tuple[EachGroup, Found]],
     ) -> "_Parts":
-        evaluated = partial(photometry, search=search, settings=settings, zones=zones)
+        """Return the parts of a picture; take its pictures from those found."""
+        pictures, own = next(found)
+        members = own[0]
         if not isinstance(luminance, UncertainLuminance):
-            members, eye = evaluated(luminance[None])
-            return cls(members, (eye,))
-        members, eye = evaluated(luminance.value[None], error=luminance.error)
-        _, drawn = evaluated(luminance.pairs())
+            return cls(members, (photometry.of(pictures, own),))
+        eyes = [
+            photometry.of(pictures, own, luminance.error),
+            photometry.of(*next(found)),
+        ]
+        search = photometry.search
         reduced = without_undersampled(luminance, search.eye, members)
-        if reduced is None:
-            return cls(members, (eye, drawn))
-        return cls(members, (eye, drawn, evaluated(reduced[None])[1]))
+        if reduced is not None:
+            group = reduced[None]
+            eyes.append(photometry.of(group, *search.members([group])))
+        return cls(members, eyes)
 
     def glare(
         self, names: Sequence[str], values: Sequence[np.ndarray], view: View
@@ -129,35 +141,37 @@ class _Parts:
         return PictureGlare(self.members, eye, known, errors, poor)
 
 
-def photometry(
-    pictures: Pictures,
-    search: SourceSearch,
-    settings: IndexSettings,
-    *,
-    zones: Zones | None = None,
-    error: Image | None = None,
-) -> tuple[Members, EyePhotometry]:
-    """Return the pixels of glare sources, and the photometry of pictures.
+@dataclass(frozen=True, eq=False)
+class _Photometry:
+    # Photometry of pictures of one view
+    search: SourceSearch
+    settings: IndexSettings
+    zones: Zones | None
 
-    `error` is the independent standard error of each pixel [cd/m²].
-    """
-    eye, task, zone_of = search.eye, search.rules.task, None
-    members, own = search.members(pictures)
-    divided = members
-    if zones is not None:
-        divided, zone_of = cut_along(members, zones.of_pixels(eye))
-    sources = source_table(divided, own, pictures, eye, zone=zone_of, error=error)
-    average = reference = eye.flux(pictures) / eye.total_solid_angle
-    if task:
-        reference = np.array([reference_luminance(p, eye, task) for p in pictures])
-    illuminance, given = eye.illuminance(pictures), settings.given_illuminance
-    return members, EyePhotometry(
-        sources=sources.larger_than(search.rules.smallest),
-        illuminance=illuminance,
-        average=average,
-        reference=reference,
-        brightest=(pictures * eye.valid).max(axis=(1, 2)).astype(float),
-        eye_illuminance=illuminance if given is None else np.full_like(average, given),
-        solid_angle=eye.total_solid_angle,
-        settings=settings,
-    )
+    def of(
+        self, pictures: Pictures, found: Found, error: Image | None = None
+    ) -> EyePhotometry:
+        """Return the photometry of pictures whose source pixels are found.
+
+        `error` is the independent standard error of each pixel [cd/m²].
+        """
+        eye, rules, zone_of = self.search.eye, self.search.rules, None
+        members, own = found
+        if self.zones is not None:
+            members, zone_of = cut_along(members, self.zones.of_pixels(eye))
+        sources = source_table(members, own, pictures, eye, zone=zone_of, error=error)
+        average = reference = eye.flux(pictures) / eye.total_solid_angle
+        if rules.task:
+            each = (reference_luminance(one, eye, rules.task) for one in pictures)
+            reference = np.array(list(each))
+        level, given = eye.illuminance(pictures), self.settings.given_illuminance
+        return EyePhotometry(
+            sources=sources.larger_than(rules.smallest),
+            illuminance=level,
+            average=average,
+            reference=reference,
+            brightest=(pictures * eye.valid).max(axis=(1, 2)).astype(float),
+            eye_illuminance=level if given is None else np.full_like(level, given),
+            solid_angle=eye.total_solid_angle,
+            settings=self.settings,
+        )

@@ -147,7 +147,9 @@ def test_veiling_luminance_follows_stiles_and_holladay():
 
 def test_without_sources_there_is_no_glare():
     assert ugr(NOTHING, background=80.0) == dgi(NOTHING, background=80.0) == 0
-    assert cgi(NOTHING, illuminance=500.0, direct=0.0) == dgr(NOTHING, average=100.0) == 0
+    assert (
+        cgi(NOTHING, illuminance=500.0, direct=0.0) == dgr(NOTHING, average=100.0) == 0
+    )
     assert vcp(dgr(NOTHING, average=100.0)) == 100
     assert dgp(NOTHING, illuminance=1000.0) == pytest.approx(5.87e-2 + 0.159)
 
