@@ -99,10 +99,10 @@ def annual_glare(
         if not results and check_pixels:
             warn_if_coarse(evaluated.eye(pictures[0]), evaluated.rules, name=name)
         steps = range(len(results), len(results) + len(pictures))
-        given = [
+        own = [
             replace(settings, given_illuminance=_at(illuminance, n)) for n in steps
         ]
-        for step, (values, poor) in zip(steps, evaluated(pictures, given), strict=True):
+        for step, (values, poor) in zip(steps, evaluated(pictures, own), strict=True):
             results.append(values)
             if poor is not None:
                 moment = f"picture {step}" if times is None else str(times[step])[:16]

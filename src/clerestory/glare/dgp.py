@@ -63,7 +63,7 @@ def corrected_dgp(eye: EyePhotometry) -> Series:
         value = value * low_light_correction(level)
     if settings.age is not None:
         value = value * age_correction(settings.age)
-    return np.minimum(value, 1.0)
+    return np.asarray(np.minimum(value, 1.0))
 
 
 def low_light_correction(illuminance: Values) -> Values:

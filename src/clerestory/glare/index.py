@@ -42,21 +42,28 @@ class EyePhotometry:
     @classmethod
     def joined(cls, parts: Sequence["EyePhotometry"]) -> "EyePhotometry":
         """Return parts of equal settings, whose time steps follow each other."""
-        return replace(
-            parts[0],
-            sources=GlareSources.joined([part.sources for part in parts]),
-            **{
-                name: np.concatenate([getattr(part, name) for part in parts])
-                for name in _SERIES
-            },
+        sources = GlareSources.joined([part.sources for part in parts])
+        series = (
+            np.concatenate([getattr(part, name) for part in parts]) for name in _SERIES
         )
+        return parts[0]._with(sources, *series)
 
     def at_step(self, step: int) -> "EyePhotometry":
         """Return the quantities of one time step."""
+        series = (getattr(self, name)[step : step + 1] for name in _SERIES)
+        return self._with(self.sources.at_step(step), *series)
+
+    def _with(self, sources: GlareSources, *series: np.ndarray) -> "EyePhotometry":
+        # The same view and settings at other time steps
+        illuminance, average, reference, brightest, eye_illuminance = series
         return replace(
             self,
-            sources=self.sources.at_step(step),
-            **{name: getattr(self, name)[step : step + 1] for name in _SERIES},
+            sources=sources,
+            illuminance=illuminance,
+            average=average,
+            reference=reference,
+            brightest=brightest,
+            eye_illuminance=eye_illuminance,
         )
 
     @cached_property
@@ -67,7 +74,7 @@ class EyePhotometry:
     @cached_property
     def cie_background(self) -> Series:
         """Background luminance as defined by the CIE, (Ev − Edir)/π [cd/m²]."""
-        return (self.illuminance - self.direct_illuminance) / math.pi
+        return np.asarray((self.illuminance - self.direct_illuminance) / math.pi)
 
     @cached_property
     def background(self) -> Series:
@@ -75,11 +82,12 @@ class EyePhotometry:
         if self.settings.background == "cie":
             return self.cie_background
         if self.settings.background == "illuminance":
-            return self.illuminance / math.pi
+            return np.asarray(self.illuminance / math.pi)
         flux = self.sources.totals(self.sources.luminance * self.sources.solid_angle)
         rest = self.solid_angle - self.sources.totals(self.sources.solid_angle)
         other = self.solid_angle * self.average - flux
-        return np.divide(other, rest, out=self.average.copy(), where=rest != 0)
+        found = np.divide(other, rest, out=self.average.copy(), where=rest != 0)
+        return np.asarray(found)
 
 
 _SERIES = ("illuminance", "average", "reference", "brightest", "eye_illuminance")

@@ -118,7 +118,8 @@ class _Parts:
         reduced = without_undersampled(luminance, search.eye, members)
         if reduced is not None:
             group = reduced[None]
-            eyes.append(photometry.of(group, *search.members([group])))
+            [own] = search.members([group])
+            eyes.append(photometry.of(group, own))
         return cls(members, eyes)
 
     def glare(

@@ -104,7 +104,8 @@ def first_scan(
         birth[several] = _births(several, start, run, pixels, stack, near)
 
     births, number = np.unique(birth, return_inverse=True)
-    return _ranks(row[start[births]] // stack.pitch)[number[run]] + 1
+    rank = _ranks(row[start[births]] // stack.pitch)
+    return np.asarray(rank[number[run]] + 1)
 
 
 def _ranks(picture: Int[np.ndarray, " source"]) -> Int[np.ndarray, " source"]:

@@ -49,7 +49,7 @@ class NearestGlare:
 
     def at(self, column: Indices) -> Indices:
         """Return the index of the mask's column for a column of the view."""
-        return np.clip(column - self.first, 0, self.left.shape[1] - 1)
+        return np.asarray(np.clip(column - self.first, 0, self.left.shape[1] - 1))
 
 
 def previous_pixels(
@@ -76,14 +76,13 @@ def previous_pixels(
     used = np.flatnonzero(mask.any(axis=1))
     top, bottom = int(used[0]), int(used[-1]) + 1
     glare = NearestGlare.of(mask[top:bottom], stack.left)
-    spans, blind = (
-        find(*(part[rest] for part in seen)) for find in (near.spans, near.blind)
-    )
+    around = seen[0][rest], seen[1][rest]
+    spans, blind = near.spans(*around), near.blind(*around)
     reach = near.reach
     for offsets in (range(-1, -reach - 1, -1), range(reach + 1)):
         some = np.flatnonzero(found[0, rest] < 0)
         search = _Search(
-            row[rest[some]] - top, seen[1][rest[some]], blind[some], glare,
+            row[rest[some]] - top, around[1][some], blind[some], glare,
             Spans(spans.begin[some], spans.length[some]),
         )  # fmt: skip
         place = search.through(offsets, reach)

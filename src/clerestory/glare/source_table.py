@@ -143,7 +143,8 @@ class GlareSources:
         """Mean luminance of all sources, weighted by solid angle [cd/m²]; 0 if none."""
         flux = self.totals(self.luminance * self.solid_angle)
         size = self.totals(self.solid_angle)
-        return np.divide(flux, size, out=np.zeros(self.steps), where=size > 0)
+        none = np.zeros(self.steps)
+        return np.asarray(np.divide(flux, size, out=none, where=size > 0))
 
     def samples(self) -> Float[np.ndarray, " source"]:
         """Effective number of path samples of each source: (luminance / error)².

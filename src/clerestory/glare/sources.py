@@ -190,7 +190,8 @@ class SourceSearch:
         for pictures in groups:
             mask, peak = glare_pixels(pictures, self.eye, self.rules)
             masks.append(mask)
-            kept.append(self._kept(mask.any(axis=0), peak.any(axis=0)))
+            every = (np.asarray(each.any(axis=0)) for each in (mask, peak))
+            kept.append(self._kept(*every))
         new = list({id(one): one for one in kept if one.members is None}.values())
         if new:
             marks = [one.mask for one in new], [one.peak for one in new]

@@ -111,7 +111,7 @@ def index_errors(
 
     >>> picture = UncertainLuminance(np.full((30, 30), 9.0), np.full((30, 30), 0.3))
     >>> [error] = index_errors(picture.pairs().mean(axis=(1, 2))[None])
-    >>> 0.005 < error < 0.02  # 0.3/√900
+    >>> bool(0.005 < error < 0.02)  # 0.3/√900
     True
     """
     plus, minus = np.split(values, 2, axis=1)
