@@ -68,4 +68,8 @@ def glare_sensitivity(signals: ControlInputs, states: States) -> xr.Dataset:
         )
         parts.append(found)
     report(1.0, "done")
-    return xr.concat(parts, "view").assign_coords(view=[name for name, _ in eyes])
+    # What has no axis of views is the same for all
+    whole = xr.concat(
+        parts, "view", data_vars="minimal", coords="minimal", compat="override"
+    )
+    return whole.assign_coords(view=[name for name, _ in eyes])
