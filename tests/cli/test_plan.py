@@ -68,7 +68,7 @@ def test_a_plan_has_the_stages_the_pictures_and_the_files_of_the_run(view):
         size = sum(file.stat().st_size for file in written)
         assert size / 1.5 < plan.stages[stage].bytes < size * 1.5, stage
     computed = int(glare.notnull().sum())
-    assert plan.stages["pictures"].work == f"{computed} computed, 2 written"
+    assert plan.stages["pictures"].work == f"glare at {computed} steps, 2 pictures"
     sizes = {file.name: file.stat().st_size for file in view.glob("results/matrices/*")}
     assert {matrix.file for matrix in plan.matrices} == set(sizes)
     for matrix in plan.matrices:

@@ -32,6 +32,11 @@ class Finding:
             f"{self.severity}: {self.name}: {self.what} ({self.where}); {self.effect}"
         )
 
+    def short(self) -> str:
+        """Return the finding without explanation and effect, which are known."""
+        what = self.what.partition(": ")[0]
+        return f"{self.severity}: {self.name}: {what} ({self.where}); as above"
+
 
 def severity_of(size: float, limits: tuple[float, float, float]) -> Severity | None:
     """Severity of a deviation; None if the deviation is at most the first limit.

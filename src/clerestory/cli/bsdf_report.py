@@ -1,6 +1,7 @@
 """Text output of `clerestory bsdf`: descriptions, findings, differences."""
 
 import json
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -14,6 +15,10 @@ from clerestory.bsdf.quality_finding import Finding, patch_label
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
+
+
+# Numbers in the effect of a finding
+_NUMBER = re.compile(r"[0-9.]+")
 
 
 def function_title(channel: str, function: Function) -> str:
@@ -42,10 +47,16 @@ def finding_lines(
 ) -> Iterator[str]:
     """Yield a line per finding (`all_of_them`) or per finding that affects results.
 
-    The last line says which other programs read the file.
+    Explanation and effect are given once for findings of one kind, such as those of
+    the visible and the solar channel. The last line says which other programs read the
+    file.
     """
-    shown = [f for f in findings if f.matters or all_of_them]
-    yield from (f"{file}: {finding}" for finding in shown)
+    explained = set()
+    for finding in findings:
+        if finding.matters or all_of_them:
+            kind = finding.name, finding.severity, _NUMBER.sub("", finding.effect)
+            yield f"{file}: {finding.short() if kind in explained else finding}"
+            explained.add(kind)
     refused = {f.where: f.what for f in findings if f.name == "reader"}
     readers = [reader for reader in READERS if reader not in refused]
     answers = [f"read by {' and '.join(readers)}"] if readers else []

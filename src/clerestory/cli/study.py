@@ -53,6 +53,11 @@ def new(request: requests.NewStudy) -> None:
     rooms += f", {begun.windows} windows" if begun.windows > 1 else ""
     views = f", {begun.views} views" if begun.views else ""
     say(
+        *(
+            f'panes "{name}" have several faces: that towards the room is the window;'
+            f" {count} other {'faces' if count > 1 else 'face'} left out"
+            for name, count in begun.faces.items()
+        ),
         *(f'window "{n}" reversed: its front must face the room' for n in begun.turned),
         *([] if request.bsdf else [_SUGGESTED]),
         f"{begun.study}: {begun.sensors} sensors{rooms}{views}",
@@ -237,7 +242,8 @@ def _stage_table(plan: StudyPlan) -> Table:
         table.add_column(heading, justify="right")
     for name, stage in plan.stages.items():
         files = [f"{stage.files:,}", _size(stage.bytes)] if stage.files else ["", ""]
-        table.add_row(name, stage.work, _duration(stage.seconds), *files)
+        shown = "pictures, glare" if name == "pictures" else name
+        table.add_row(shown, stage.work, _duration(stage.seconds), *files)
     table.caption = (
         f"about {_duration(plan.run_seconds)}, memory about {_size(plan.memory)},"
         f" disk {_size(plan.disk)}"
