@@ -16,7 +16,6 @@ from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 
-
 # Numbers in the effect of a finding
 _NUMBER = re.compile(r"[0-9.]+")
 
