@@ -1,7 +1,6 @@
 """Text output of `clerestory bsdf`: descriptions, findings, differences."""
 
 import json
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -11,13 +10,10 @@ import numpy as np
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.layer_comparison import Comparison
 from clerestory.bsdf.other_readers import READERS
-from clerestory.bsdf.quality_finding import Finding, patch_label
+from clerestory.bsdf.quality_finding import Finding, explained_once, patch_label
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
-
-# Numbers in the effect of a finding
-_NUMBER = re.compile(r"[0-9.]+")
 
 
 def function_title(channel: str, function: Function) -> str:
@@ -46,16 +42,10 @@ def finding_lines(
 ) -> Iterator[str]:
     """Yield a line per finding (`all_of_them`) or per finding that affects results.
 
-    Explanation and effect are given once for findings of one kind, such as those of
-    the visible and the solar channel. The last line says which other programs read the
-    file.
+    The last line says which other programs read the file.
     """
-    explained = set()
-    for finding in findings:
-        if finding.matters or all_of_them:
-            kind = finding.name, finding.severity, _NUMBER.sub("", finding.effect)
-            yield f"{file}: {finding.short() if kind in explained else finding}"
-            explained.add(kind)
+    shown = [f for f in findings if f.matters or all_of_them]
+    yield from (f"{file}: {line}" for line in explained_once(shown))
     refused = {f.where: f.what for f in findings if f.name == "reader"}
     readers = [reader for reader in READERS if reader not in refused]
     answers = [f"read by {' and '.join(readers)}"] if readers else []
