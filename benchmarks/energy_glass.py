@@ -23,7 +23,6 @@ from clerestory.energyplus.complex_fenestration import complex_fenestration
 from clerestory.energyplus.complex_optics import complex_optics
 from clerestory.energyplus.engine_run import AnnualRun, Output, simulate
 from clerestory.energyplus.input_objects import as_idf
-from clerestory.glazing.glazing_system import Gap, GlazingSystem
 from clerestory.glazing.stack import stack_layers
 from clerestory.hemisphere.klems import klems
 from clerestory.phases.matrix_store import MatrixStore
@@ -33,7 +32,7 @@ from clerestory.study.job import Job
 from clerestory.study.solar_at_windows import incident_radiation, sunlight
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from energy_models import PANE, PLAIN, blind, office
+from energy_models import PLAIN, SMALL_OFFICE, double_glazing, shaded_glazing
 
 OUTPUTS = [
     Output(f"Surface {name} Solar Radiation Rate{end}", "South Window")
@@ -49,8 +48,8 @@ AREA = 3.0
 # By default, EnergyPlus uses the mean solar positions of 20 days
 EVERY_STEP = "ShadowCalculation,PolygonClipping,Timestep;"
 SYSTEMS = {
-    "clear": GlazingSystem("clear", (PANE, PANE), (Gap(0.012),)),
-    "blind": GlazingSystem("blind", (PANE, PANE, blind(45)), (Gap(0.012), Gap(0.05))),
+    "clear": double_glazing(),
+    "blind": shaded_glazing(45),
 }
 STUDY = """
 method = "5-phase"
@@ -80,7 +79,7 @@ south polygon pane 0 0 12 3 0 1 1 0 1 1 0 2.5 3 0 2.5
 def theirs(folder, weather, construction, objects):
     """Return hourly outputs of EnergyPlus for a construction."""
     path = folder / f"{construction}.idf"
-    path.write_text(office(construction, objects, EVERY_STEP))
+    path.write_text(SMALL_OFFICE.text(construction, objects, EVERY_STEP))
     model = read_building_model(path).objects
     return simulate(AnnualRun(model, weather, [], OUTPUTS))
 

@@ -273,9 +273,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--resolution", type=int, default=400)
     parser.add_argument("--small", type=int, default=64, help="to measure the error")
-    parser.add_argument("--samples", type=int, default=128, help="per pixel")
+    parser.add_argument("--samples", type=int, default=32, help="per pixel")
     parser.add_argument(
-        "--sun-samples", type=int, default=16, help="per pixel, to the windows"
+        "--sun-samples", type=int, default=20, help="per pixel, to the windows"
     )
     parser.add_argument(
         "--columns", type=int, default=32, help="of Radiance's pictures"

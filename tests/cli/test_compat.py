@@ -77,6 +77,14 @@ def test_rays_are_averaged_over_each_record(program):
     assert found[0, [0, 145]] == pytest.approx(0.5, rel=0.05)
 
 
+def test_receivers_have_outputs_by_their_modifiers(field):
+    """-o %s.mtx: a matrix for each modifier, here of 1 and 145 columns."""
+    words = ["-I+", "-ad", "64", "-o", "%s.mtx", "-", "sky.rad", "field.rad"]
+    run_program("rfluxmtx", words, Streams(field / "up.pts", io.BytesIO()))
+    found = [read_matrix(field / f"{n}_glow.mtx").values for n in ("ground", "sky")]
+    assert [each.shape for each in found] == [(3, 1, 1), (3, 1, 145)]
+
+
 def test_the_overhead_sun_has_its_solid_angle_as_coefficient(program):
     """Irradiance per radiance is Ω, 2π (1 - cos .2665°); the bin is the zenith's."""
     words = ("-e", "MF:1", "-f", "reinhart.cal", "-b", "rbin", "-bn", "Nrbins")

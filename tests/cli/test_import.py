@@ -82,18 +82,56 @@ def test_what_is_left_out_is_in_one_file(convert):
     assert "left out: the energy properties of the model" in outcome.out
 
 
-@pytest.mark.parametrize("fault", ["open", "bsdf", "weather"])
-def test_nothing_is_written_for_a_bad_model(convert, tmp_path, fault):
-    model, options = honeybee_model(office()), []
-    if fault == "open":
-        model["rooms"][0]["faces"].pop()
-    elif fault == "weather":
-        (tmp_path / "bad.epw").write_text("no weather")
-        options = ["--weather", tmp_path / "bad.epw"]
+def flipped(model):
+    outline = model["rooms"][0]["faces"][2]["apertures"][0]["geometry"]["boundary"]
+    outline.reverse()
+
+
+def unknown(model):
+    radiance = {"radiance": {"modifier": "marble"}}
+    model["rooms"][0]["faces"][3]["properties"] = radiance
+
+
+def bad_bsdf(model):
+    bsdf = {"type": "BSDF", "identifier": "pane", "bsdf_data": "<x/>"}
+    model["properties"]["radiance"]["modifiers"] = [bsdf]
+
+
+# Change of a model that makes it bad, and words of the message
+FAULTS = {
+    "open room": (lambda m: m["rooms"][0]["faces"].pop(), 'room "office" is open'),
+    "flipped aperture": (flipped, 'aperture "office_window" faces opposite to face'),
+    "missing modifier": (unknown, 'modifier "marble" of "office_north" is not in'),
+    "duplicate": (lambda m: m["rooms"].append(office(x=9)), "several rooms are named"),
+    "far": (lambda m: m.update(rooms=[office(x=1e6)]), "is 1000 km from the origin"),
+    "BSDF": (bad_bsdf, 'the BSDF of modifier "pane"'),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("command", ["import", "recipe"])
+def test_nothing_is_written_for_a_bad_model(call, tmp_path, command, fault):
+    model, (change, message) = honeybee_model(office()), FAULTS[fault]
+    change(model)
+    path, out = tmp_path / "model.hbjson", tmp_path / "out"
+    path.write_text(json.dumps(model))
+    if command == "import":
+        words = [path, "-o", out, "--weather", WEATHER]
     else:
-        bsdf = {"type": "BSDF", "identifier": "pane", "bsdf_data": "<x/>"}
-        model["properties"]["radiance"]["modifiers"] = [bsdf]
-    out, outcome = convert(model, *options, weather=False)
+        inputs = tmp_path / "inputs.json"
+        inputs.write_text(json.dumps({"model": str(path), "wea": str(WEATHER)}))
+        words = ["annual-daylight", inputs, "--folder", out]
+    outcome = call(command, *words)
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert len(outcome.err.strip().splitlines()) == 1
+    assert not out.exists()
+
+
+def test_nothing_is_written_without_valid_weather(convert, tmp_path):
+    (tmp_path / "bad.epw").write_text("no weather")
+    words = ("--weather", tmp_path / "bad.epw")
+    out, outcome = convert(honeybee_model(office()), *words, weather=False)
     assert outcome.status == 2
     assert len(outcome.err.strip().splitlines()) == 1
     assert not out.exists()

@@ -10,8 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from honeybee_models import GLASS, TINT, honeybee_model, office
 
+from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.hemisphere.klems import klems
 from clerestory.image.picture_files import read_picture
 from clerestory.metrics.honeybee import read_honeybee
 from clerestory.sky.sky_conditions import sky_conditions
@@ -216,6 +220,80 @@ def test_states_of_dynamic_groups_are_light_paths(recipe, dynamic):
         expected = static.illuminance("desk").mean("time")
         lux = found.illuminance("desk", states={path: number}).mean("time")
         assert lux.values == pytest.approx(expected.values, rel=0.05)
+
+
+@pytest.fixture
+def diffusing(tmp_path):
+    """An office whose window is a diffuser of 60 % or one of 30 %, or clear."""
+    modifiers = [GLASS]
+    for name, share in (("light", 0.6), ("dense", 0.3)):
+        write_bsdf(tmp_path / "bsdf.xml", lambertian(share, klems("quarter")))
+        xml = (tmp_path / "bsdf.xml").read_text()
+        modifiers.append({"type": "BSDF", "identifier": name, "bsdf_data": xml})
+    room = office()
+    states = [{"modifier": name} for name in ("light", "dense", "pane")]
+    radiance = {"dynamic_group_identifier": "south", "states": states}
+    room["faces"][2]["apertures"][0]["properties"] = {"radiance": radiance}
+    return honeybee_model(room, modifiers=modifiers, sensor_grids=[grid()])
+
+
+@pytest.mark.slow
+def test_states_may_be_bsdfs(recipe, call, diffusing, tmp_path):
+    """Three-phase groups: light of a diffuser is that of a study of it, in proportion.
+
+    A diffuser of half the transmittance has half the light, and no direct sunlight.
+    """
+    effort = {"wea": str(WEATHER), "radiance_parameters": "-ab 3 -ad 5000"}
+    found = read_honeybee(recipe("annual-daylight", diffusing, **effort) / "results")
+    ((path, states),) = found.states.items()
+    assert states == ("0_light", "1_dense", "2_pane")
+    light, dense, clear = found.by_state("desk", path)
+    assert dense.sum(axis=1) == pytest.approx(light.sum(axis=1) / 2, rel=1e-3)
+    direct = found.by_state("desk", path, light="direct")
+    assert not direct[:2].any()
+    assert direct[2].any()
+    # The clear pane, of 88 % for normal light, also has the sun on the sensors
+    assert np.all(clear.sum(axis=1) > light.sum(axis=1))
+
+    room = office()
+    alone = {"radiance": {"modifier": "light"}}
+    room["faces"][2]["apertures"][0]["properties"] = alone
+    (tmp_path / "static.hbjson").write_text(json.dumps({**diffusing, "rooms": [room]}))
+    study, results = tmp_path / "study", tmp_path / "run"
+    words = ["import", tmp_path / "static.hbjson", "-o", study, "--weather", WEATHER]
+    assert call(*words).status == 0
+    with (study / "study.toml").open("a") as stream:
+        stream.write("\n[trace]\nsamples = 20000\nbounces = 3\n")
+    outcome = call("run", study / "study.toml", "--out", results, "--quiet")
+    assert outcome.status == 0, outcome.err
+    with xr.open_dataset(results / "results.nc") as data:
+        expected = data["illuminance"].values.mean(axis=1)
+    assert light.mean(axis=1) == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.slow
+def test_the_postprocessing_package_operates_our_states(recipe, dynamic, tmp_path):
+    """By a schedule: the daylight autonomy is that of our arrays of the states."""
+    program = shutil.which("honeybee-radiance-postprocess")
+    if program is None:
+        pytest.skip("honeybee-radiance-postprocess is not installed")
+    effort = {"wea": str(WEATHER), "radiance_parameters": "-ab 2 -ad 1000"}
+    folder = recipe("annual-daylight", dynamic, **effort)
+    found = read_honeybee(folder / "results")
+    (path,) = found.dynamic_paths("desk")
+    hours = np.arange(8760)
+    state = np.where(hours % 24 < 12, 0, np.where(hours % 7 == 0, -1, 1))
+    (tmp_path / "states.json").write_text(json.dumps({path: state.tolist()}))
+    words = [program, "post-process", "annual-daylight", "results", "-sf", "theirs"]
+    words += ["-st", str(tmp_path / "states.json")]
+    subprocess.run(words, cwd=folder, check=True, timeout=300)
+    lux = found.illuminance("desk", states={path: state}).values
+    occupied = (hours % 24 >= 8) & (hours % 24 < 18)
+    expected = 100 * (lux[:, occupied] >= 300).mean(axis=1)
+    theirs = np.loadtxt(folder / "theirs" / "da" / "desk.da")
+    assert theirs == pytest.approx(expected, abs=0.011)
+    first = np.loadtxt(folder / "metrics" / "da" / "desk.da")
+    assert np.all(theirs < first)
 
 
 @pytest.mark.slow

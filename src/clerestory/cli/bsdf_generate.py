@@ -2,13 +2,19 @@
 
 import time
 
+from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.bsdfgen import system_catalogue
 from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.postprocessing import error_functions
-from clerestory.bsdfgen.shading_system import System, area_from_dimensions, area_of
+from clerestory.bsdfgen.shading_system import (
+    System,
+    area_from_dimensions,
+    area_of,
+    system_in_bands,
+)
 from clerestory.checks import require
 from clerestory.cli.bsdf_report import function_title
 from clerestory.cli.progress import progress_display, say
@@ -16,6 +22,8 @@ from clerestory.cli.requests.bsdf import GenerateBsdf
 from clerestory.files import write_text
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.rad_writer import format_rad
+from clerestory.spectral.band_sets import band_set
+from clerestory.spectral.spectrum_file import read_spectrum
 
 _DEFAULTS = "default"
 
@@ -23,7 +31,7 @@ _DEFAULTS = "default"
 def generate(request: GenerateBsdf) -> None:
     """Trace a BSDF; write the BSDF file, its standard errors and the scene geometry."""
     begin = time.perf_counter()
-    system = _system(request)
+    system = _spectral(request, _system(request))
     if request.rad is not None:
         write_text(request.rad, format_rad(system.scene, bsdf_file={}))
     with progress_display(quiet=request.quiet) as display:
@@ -72,6 +80,26 @@ def _system(request: GenerateBsdf) -> System:
     if dimensions is None:
         return System(scene, area_of(scene, periodic=periodic))
     return System(scene, area_from_dimensions(dimensions, periodic=periodic))
+
+
+def _spectral(request: GenerateBsdf, system: System) -> System:
+    # The system in the spectral bands of the request, if any
+    texts = request.spectrum or []
+    if not request.spectral:
+        require(not texts, "--spectrum without --spectral; the bands expected")
+        return system
+    require(not request.band, "--band with --spectral; one of them expected")
+    spectra = {}
+    for text in texts:
+        name, equals, file = text.partition("=")
+        require(
+            name and equals and file,
+            f'--spectrum is "{text}"; a text such as slat=library:pine expected',
+        )
+        spectra[name] = read_spectrum(file)
+    bands = band_set(request.spectral)
+    require(bands != RGB, f"--spectral {RGB}; bands such as 20 expected")
+    return system_in_bands(system, bands, spectra=spectra)
 
 
 def _bands(texts: list[str] | None) -> dict[str, Weights] | None:

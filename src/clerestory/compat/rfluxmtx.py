@@ -4,7 +4,7 @@ References: G. Ward, manual page of rfluxmtx(1).
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -57,7 +57,7 @@ _PER_RAY = 4
 def rfluxmtx(words: Sequence[str], streams: Streams) -> None:
     """Run rfluxmtx with the words of its command line."""
     call = _parse(words)
-    receivers = read_receivers(call.receivers)
+    receivers = _named(read_receivers(call.receivers), call.options.output)
     require(call.scene, "rfluxmtx: no scene; -i OCTREE or scene files expected")
     scene, given = read_rad(*call.scene), call.options
     if call.sender != "-":
@@ -105,6 +105,16 @@ def _parse(words: Sequence[str]) -> _Call:
             f"rfluxmtx: {len(operands)} of sender and receivers given; both expected"
         )
     return _Call(given, operands[0], operands[1], tuple(scene))
+
+
+def _named(receivers: Sequence[Receiver], output: str | None) -> Sequence[Receiver]:
+    # Receivers with an output each, if -o has %s, which stands for their modifier
+    if output is None or "%s" not in output:
+        return receivers
+    return [
+        replace(each, output=each.output or output.replace("%s", each.name))
+        for each in receivers
+    ]
 
 
 def _effort(given: RayOptions, streams: Streams, samples: int) -> Effort:

@@ -45,6 +45,11 @@ class WindowReceiver:
     window: Window
     output: str | None = None
 
+    @property
+    def name(self) -> str:
+        """Name of the window, its modifier."""
+        return self.window.name
+
 
 Receiver = Hemisphere | WindowReceiver
 

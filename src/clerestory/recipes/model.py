@@ -13,6 +13,7 @@ from clerestory.formats.floor_grids import floor_grids
 from clerestory.formats.hbjson import read_hbjson
 from clerestory.metrics.honeybee_writer import GridRecord
 from clerestory.metrics.procedure import cell_area
+from clerestory.study.model_import import check_bsdfs
 
 # Spacing and height of the grids of models without grids [m]
 _SPACING, _HEIGHT = 0.5, 0.76
@@ -106,7 +107,9 @@ def read_model_views(path: Path, *, view_filter: str = "*") -> RecipeModel:
 def _read(path: Path, *, window_groups: bool = False) -> BuildingModel:
     kinds = ".hbjson", ".json"
     one_of(path.suffix.lower(), "type of the model", choices=kinds)
-    return read_hbjson(path, window_groups=window_groups)
+    model = read_hbjson(path, window_groups=window_groups)
+    check_bsdfs(model)
+    return model
 
 
 def _records(model: BuildingModel) -> dict[str, GridRecord]:

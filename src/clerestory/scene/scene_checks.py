@@ -126,10 +126,14 @@ def _window(
 ) -> Iterator[str]:
     label = f'window "{window.name}"'
 
-    # Sensors must be in the room, on the front side of the window
+    # Sensors must be in the room, on the front side of the window; in buildings, most
+    # sensors are in other rooms, but not the nearest
     if sensors is not None and len(sensors):
-        behind = int((_heights(window, sensors) < -_TOUCH).sum())
-        if behind > len(sensors) / 2:
+        heights = _heights(window, sensors)
+        middle = np.concatenate([p.vertices for p in window.polygons]).mean(axis=0)
+        away = np.linalg.norm(sensors.position - middle, axis=1)
+        behind = int((heights < -_TOUCH).sum())
+        if behind > len(sensors) / 2 and heights[away.argmin()] < -_TOUCH:
             yield (
                 f"{label} has {behind} of {len(sensors)} sensors behind it; its front"
                 " should face the room: reverse its vertices, or read it by"

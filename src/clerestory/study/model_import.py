@@ -183,6 +183,15 @@ def _bsdf_texts(model: BuildingModel) -> dict[str, tuple[str, str]]:
         return {name: _bsdf_text(modifiers[name], path) for name in modifiers}
 
 
+def check_bsdfs(model: BuildingModel) -> None:
+    """Require that the BSDFs of the windows of a model are valid."""
+    modifiers = dict(state for group in model.windows for state in group.states)
+    with TemporaryDirectory() as name:
+        for modifier in modifiers.values():
+            if isinstance(modifier, BsdfModifier):
+                _bsdf_text(modifier, Path(name) / "bsdf.xml")
+
+
 def _bsdf_text(modifier: Modifier, path: Path) -> tuple[str, str]:
     named = f'the BSDF of modifier "{modifier.name}"'
     if isinstance(modifier, BsdfModifier):

@@ -108,6 +108,14 @@ def test_a_window_that_turns_its_back_is_named():
     assert 'window "south" has 3 of 3 sensors behind it' in finding
 
 
+def test_sensors_of_other_rooms_may_be_behind_a_window():
+    """In a building, most sensors are behind a window of a courtyard."""
+    others = [(x, y, 0.8) for x in (1, 2, 3) for y in (-8, -6, -4)]
+    assert check_scene(room(), [window()], sensors(*DESKS, *others)) == ()
+    [finding] = check_scene(room(), [window(turned=True)], sensors(*DESKS))
+    assert "reverse its vertices" in finding
+
+
 def test_a_window_outside_the_scene_is_named():
     findings = check_scene(room(), [window(at=-20.0)], sensors(*DESKS))
     assert findings == ('window "south" extends 10 m beyond the surfaces of the scene',)
