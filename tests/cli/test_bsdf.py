@@ -47,6 +47,17 @@ def test_a_built_in_product_is_checked_as_its_file_would_be(call, room):
     assert outcome.out == written.out.replace("clear.xml", name)
 
 
+def test_spectra_of_materials_are_listed_and_written(call, room):
+    listed = call("bsdf", "library", "pine").out
+    assert "library 7" not in listed.splitlines()[-1]
+    assert listed.splitlines()[-1].split() == ["pine", "new", "pine", "beam"]
+    assert "double-lowe-6" in call("bsdf", "library").out
+    assert call("bsdf", "library", "library:pine", "-o", "pine.csv").status == 0
+    first, *rows = (room / "pine.csv").read_text().splitlines()
+    assert first == "wavelength [nm],reflectance"
+    assert len(rows) == 81
+
+
 def test_a_file_that_radiance_refuses_is_doubtful(call, room):
     text = (room / "diffuser.xml").read_text()
     spaced = text.replace("<FileType>BSDF<", "<FileType> BSDF <")

@@ -18,7 +18,7 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.spectra import Spectrum
 from clerestory.spectral.band_sets import band_means, band_set
-from clerestory.spectral.spectrum_file import read_spectrum
+from clerestory.spectral.spectrum_file import format_spectrum, read_spectrum
 from clerestory.study.config import read_study
 from clerestory.study.study_run import run_study
 
@@ -147,6 +147,17 @@ def test_wood_takes_melanopic_light(study):
     np.testing.assert_allclose(two["illuminance"], many["illuminance"], rtol=0.06)
 
 
+def test_built_in_spectra_are_those_of_files(study, tmp_path):
+    """Walls of pine by name, and by a file of the same values."""
+    by_name = of_material("grey").replace("wood.txt", "library:pine")
+    named = study("melanopic+photopic", spectrum=by_name)
+    pine = read_spectrum("library:pine")
+    (tmp_path / "study" / "wood.txt").write_text(format_spectrum(pine, "reflectance"))
+    filed = study("melanopic+photopic", spectrum=of_material("grey"))
+    for name in ("illuminance", "melanopic_edi"):
+        np.testing.assert_allclose(named[name], filed[name], rtol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("bands", "spectrum", "words"),
     [
@@ -155,6 +166,11 @@ def test_wood_takes_melanopic_light(study):
         ("RGB", of_material("grey"), "bands RGB"),
         ("20", of_material("grey") * 2, "two spectra"),
         ("20", of_material("gold"), 'no material "gold"'),
+        (
+            "20",
+            of_material("grey").replace("wood.txt", "library:pin"),
+            "such as pine",
+        ),
     ],
 )
 def test_impossible_bands_are_errors(study, bands, spectrum, words):

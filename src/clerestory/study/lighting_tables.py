@@ -6,12 +6,12 @@ from pydantic import Field, model_validator
 
 from clerestory.metrics.lighting_energy import Control
 from clerestory.study.config_tables import (
-    InputFile,
     Named,
     NamedFile,
     Place,
     require_rule,
 )
+from clerestory.study.file_fields import InputFile
 
 
 class LuminaireTable(NamedFile):

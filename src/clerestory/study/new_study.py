@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clerestory.checks import one_of, require
+from clerestory.constants import LIBRARY_PREFIX
 from clerestory.errors import ClerestoryWarning
 from clerestory.escaping import toml_value
 from clerestory.files import make_folder, replace_file, write_text
-from clerestory.library.bsdf_source import PREFIX, is_library_name, read_bsdf
+from clerestory.library.bsdf_source import is_library_name, read_bsdf
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import format_view
 from clerestory.radiance.window_reader import Pane, read_panes
@@ -33,7 +34,7 @@ STUDY_FILE, SENSOR_FILE, VIEW_FILE = "study.toml", "workplane.pts", "desk.vf"
 WINDOW_FILE = "panes.rad"
 
 # Glazing of windows for which no BSDF is given
-GLAZING = f"{PREFIX}double-lowe-6"
+GLAZING = f"{LIBRARY_PREFIX}double-lowe-6"
 
 _HEAD = """# Paths are relative to this file; docs/study-file.md explains every key.
 # rotation_deg is the azimuth of the +y axis of the scene, clockwise from north.
@@ -249,7 +250,7 @@ def write_demo(folder: str | Path, *, bsdf: str | Path | None = None) -> Path:
 
 def _replace_blind(study: Path, bsdf: str | Path) -> None:
     # Another BSDF, and its name in the title of the demo study
-    path, name = str(bsdf), Path(bsdf).stem.removeprefix(PREFIX)
+    path, name = str(bsdf), Path(bsdf).stem.removeprefix(LIBRARY_PREFIX)
     if not is_library_name(bsdf):
         path = study_files.relative_path(bsdf, study.parent)
     title, file = _DEMO_BLIND

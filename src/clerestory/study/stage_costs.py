@@ -243,10 +243,12 @@ def _product(
     # Seconds for a term of the matrix equation, of pictures with `together` time steps
     # in a block and `samples` paths per pixel
     short = found[0].factors and isinstance(found[0].receiving[0], TransferMatrix)
-    short = short and all(chain.states == 1 for chain in found)
-    short = bool(short and coefficients_cost_less(found, rows, steps))
     # Pictures are computed separately for each combination of shade states
     combinations = 1 + sum(chain.states - 1 for chain in found)
+    if short:
+        kinds = [[chain.at(0) for chain in found]] * combinations
+        counts = np.full(combinations, steps // combinations)
+        short = coefficients_cost_less(kinds, rows, counts)
     blocks = max(combinations, steps / together) if together else 1
     seconds = 0.0
     for chain in found:
@@ -260,6 +262,7 @@ def _product(
             channels, patches = max(channels, bands, len(T.values)), T.rows.size
             whole = D.columns.size * D.rows.size * len(D.values)
             if short:
+                whole *= combinations
                 seconds += layers * rows * channels * whole * _WINDOW
                 seconds += layers * rows * D.columns.size * steps * _SKY
             else:
