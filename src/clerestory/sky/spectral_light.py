@@ -17,6 +17,7 @@ from clerestory.bands import Bands
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.sky.daylight_spectra import (
     DaylightSpectra,
+    per_lux,
     sky_colour_temperature,
     sun_spectra,
 )
@@ -67,10 +68,13 @@ def sun_colours(
     """Return the colour of the sun at each time step."""
     spectra = sun_spectra(weather, conditions, model)
     light = _with_luminance_of_white(_colour(spectra.T, bands), bands)
-    power = conditions.direct_normal
+    return _sum_of_few(light, conditions.direct_normal)
+
+
+def _sum_of_few(light: Float[np.ndarray, "band time"], power: Series) -> LightColours:
+    # Colours of light, of luminance 1, as a sum of few; weak light may deviate more
     main = light @ power / power.sum() if power.any() else light.mean(axis=1)
 
-    # Weak light, such as that of the rising sun, may deviate more
     weight = np.sqrt(power / max(power.max(), np.finfo(float).tiny))
     rest = (light - main[:, None]) * weight
     left, size, right = np.linalg.svd(rest, full_matrices=False)
@@ -93,9 +97,11 @@ def with_spectra(
     sun: LightColours,
 ) -> SkyMatrix:
     """Return a white sky with the spectra of daylight, and a sun of given colours."""
+    if model.measured_sky is not None:
+        spectra = model.measured_sky.at(sky.times, conditions.lit)
+        return _with_one_colour(sky, conditions, model, per_lux(spectra), sun)
     main, *others = _daylight_colours(sky.bands)
-    ground = np.ones(sky.colour.shape)
-    ground[:, 0] = sky.colour[:, 0]
+    ground = _ground(sky)
     diffuse = _chromatic_radiance(sky, conditions, model, np.array(others), main, sun)
     white = np.broadcast_to(np.float32(0), sky.diffuse.shape)
     dark = np.zeros(len(sky.bands)), np.zeros(len(sky.times))
@@ -119,6 +125,45 @@ def with_spectra(
         chromatic=tuple(parts),
         attributes={**sky.attributes, **model.attributes()},
     )
+
+
+def _with_one_colour(
+    sky: SkyMatrix,
+    conditions: SkyConditions,
+    model: DaylightSpectra,
+    spectra: Float[np.ndarray, "time wavelength"],
+    sun: LightColours,
+) -> SkyMatrix:
+    # Sky of one measured spectrum at each time step; the ground reflects it and the sun
+    light = _with_luminance_of_white(_colour(spectra.T, sky.bands), sky.bands)
+    power = np.append(conditions.diffuse_horizontal, conditions.direct_normal)
+    both = _sum_of_few(np.append(light, sun.values(), axis=1), power)
+    of_sky, of_sun = np.split(both.shares, 2, axis=1)
+    direct = conditions.direct_horizontal()
+    level = np.maximum(direct + conditions.diffuse_horizontal, np.finfo(float).tiny)
+    share = direct / level
+    ground, parts = _ground(sky), []
+    for colour, own, suns in zip(both.colours, of_sky, of_sun, strict=True):
+        diffuse = sky.diffuse * own.astype(np.float32)
+        diffuse[0] = sky.diffuse[0] * ((1 - share) * own + share * suns)
+        tinted = ground * colour[:, None]
+        parts.append(
+            ChromaticPart(diffuse, tinted, scaled_steps(sky.sun, suns), colour)
+        )
+    return replace(
+        sky,
+        colour=ground * both.main[:, None],
+        sun_colour=both.main,
+        chromatic=tuple(parts),
+        attributes={**sky.attributes, **model.attributes()},
+    )
+
+
+def _ground(sky: SkyMatrix) -> Float[np.ndarray, "band patch"]:
+    # Reflectance of the ground in each band, and 1 for the patches of the sky
+    found = np.ones(sky.colour.shape)
+    found[:, 0] = sky.colour[:, 0]
+    return found
 
 
 def scaled_steps(matrix: csc_array, factor: Series) -> csc_array:
