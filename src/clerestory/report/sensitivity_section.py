@@ -13,13 +13,16 @@ from clerestory.report.uncertain_value import Figure, number
 _LESS, _MORE, _INK = "#2f6f9f", "#d9a521", "#4a463e"
 
 # Size of the drawings: width, width of the names, height of a row
-_WIDTH, _NAMES, _ROW, _FOOT = 620.0, 150.0, 26.0, 24.0
+_WIDTH, _NAMES, _ROW, _FOOT = 460.0, 120.0, 26.0, 24.0
 
 # Largest number of materials in a drawing
 _MOST = 20
 
+# Last decimal of changes of an index
+_FINEST = 0.0001
+
 # Largest number of letters of a name
-_LETTERS = 22
+_LETTERS = 17
 
 
 class _Line(NamedTuple):
@@ -104,7 +107,7 @@ def _tornado(data: xr.Dataset, unit: str) -> Markup:
             value, spread = float(change[index, side]), float(error[index, side])
             wide = abs(value) * scale
             left = middle if value >= 0 else middle - wide
-            words = f"{label}: {_signed(value, spread, unit)}"
+            words = f"{label}: {_signed(value, spread, unit, index=not unit)}"
             marks.append(
                 element(
                     "rect",
@@ -123,7 +126,8 @@ def _tornado(data: xr.Dataset, unit: str) -> Markup:
     marks.append(element("path", d=f"M{middle:.1f},0V{tall}", stroke=_INK))
     marks += _axis(reach, middle, scale, tall, unit)
     label = "Change of the metric by material: " + "; ".join(
-        f"{names[k]} {_signed(float(change[k, 1]), float(error[k, 1]), unit)}"
+        f"{names[k]} "
+        + _signed(float(change[k, 1]), float(error[k, 1]), unit, index=not unit)
         for k in order.tolist()
     )
     return drawing(label, *marks, width=_WIDTH, height=tall + _FOOT)
@@ -134,7 +138,8 @@ def _axis(
 ) -> list[Markup]:
     # Numbers at the ends and in the middle of the axis
     power = 10.0 ** np.floor(np.log10(reach))
-    step = next(m * power for m in (5, 2, 1) if m * power <= reach)
+    # Below the reach, so that the words stay within the drawing
+    step = next(m * power for m in (5, 2, 1, 0.5) if m * power <= 0.9 * reach)
     return [
         element(
             "text",
@@ -157,7 +162,7 @@ def _lines(data: xr.Dataset) -> list[_Line]:
         for figure in one["figure"].values.tolist():
             here = one.sel(figure=figure)
             low, high = (
-                _signed(float(value), float(error), "")
+                _signed(float(value), float(error), "", index=not _unit(here))
                 for value, error in zip(
                     here["sensitivity"].values,
                     here["sensitivity_error"].values,
@@ -169,8 +174,12 @@ def _lines(data: xr.Dataset) -> list[_Line]:
     return found
 
 
-def _signed(value: float, error: float, unit: str) -> str:
+def _signed(value: float, error: float, unit: str, *, index: bool = False) -> str:
+    # Changes of an index, such as DGP, have a fixed number of decimals
     text = str(Figure(value, error, unit)).strip()
+    if index:
+        spread = f"{error:.4f}" if error >= _FINEST / 2 else f"<{_FINEST}"
+        text = f"{value:.4f} ± {spread}"
     return f"+{text}" if value > 0 else text
 
 
