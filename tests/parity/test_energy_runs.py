@@ -205,14 +205,6 @@ def test_shades_and_lights_follow_the_study(folder):
     assert table[0].startswith("time,heating [kWh],cooling [kWh],lighting [kWh]")
 
 
-def test_complex_fenestration_has_the_loads_of_ordinary_windows(folder):
-    """Clear double glazing in a year of Chicago; shares of the sum of both loads."""
-    plain = alone("plain", PLAIN)[:2]
-    found = alone("clear", state("clear", klems("full")))[:2]
-    np.testing.assert_allclose(found, plain, rtol=0, atol=0.02 * plain.sum())
-    assert found[1] == pytest.approx(plain[1], rel=0.02)
-
-
 WRONG = {
     "surface": ('surfaces = ["South Window"]', 'surfaces = ["Door"]', 'no .*"Door"'),
     "construction": ('["clear", "blind"]', '["clear", "dark"]', 'construction "dark"'),

@@ -2,7 +2,6 @@
 
 import time
 
-from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.bsdfgen import system_catalogue
@@ -17,13 +16,12 @@ from clerestory.bsdfgen.shading_system import (
 )
 from clerestory.checks import require
 from clerestory.cli.bsdf_report import function_title
+from clerestory.cli.named_spectra import spectral_bands
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.bsdf import GenerateBsdf
 from clerestory.files import write_text
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.rad_writer import format_rad
-from clerestory.spectral.band_sets import band_set
-from clerestory.spectral.spectrum_file import read_spectrum
 
 _DEFAULTS = "default"
 
@@ -84,21 +82,11 @@ def _system(request: GenerateBsdf) -> System:
 
 def _spectral(request: GenerateBsdf, system: System) -> System:
     # The system in the spectral bands of the request, if any
-    texts = request.spectrum or []
-    if not request.spectral:
-        require(not texts, "--spectrum without --spectral; the bands expected")
+    chosen = spectral_bands(request.spectral, request.spectrum)
+    if chosen is None:
         return system
     require(not request.band, "--band with --spectral; one of them expected")
-    spectra = {}
-    for text in texts:
-        name, equals, file = text.partition("=")
-        require(
-            name and equals and file,
-            f'--spectrum is "{text}"; a text such as slat=library:pine expected',
-        )
-        spectra[name] = read_spectrum(file)
-    bands = band_set(request.spectral)
-    require(bands != RGB, f"--spectral {RGB}; bands such as 20 expected")
+    bands, spectra = chosen
     return system_in_bands(system, bands, spectra=spectra)
 
 

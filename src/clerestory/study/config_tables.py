@@ -226,6 +226,12 @@ class DaylightTable(Table):
     sun: SunColour = "spectrl2"
     aerosol_optical_depth: float = Field(0.1, ge=0, le=5)
     ozone_cm: float = Field(0.3, ge=0, le=1)
+    sky_file: InputFile | None = Field(
+        None, description="a file of measured spectra of the sky (.csv)"
+    )
+    sun_file: InputFile | None = Field(
+        None, description="a file of measured spectra of the sun (.csv)"
+    )
 
 
 class SkyTable(Table):

@@ -229,14 +229,8 @@ class GenerateBsdf:
     band: list[str] | None = option(
         None, "Band and weights of red, green, blue; repeatable.", metavar="NAME=R/G/B"
     )
-    spectral: str = option(
-        "", "Spectral bands of the BSDF: 20, 81 or melanopic+photopic.", metavar="BANDS"
-    )
-    spectrum: list[str] | None = option(
-        None,
-        "With --spectral: spectrum of a material, a file or library:NAME; repeatable.",
-        metavar="MATERIAL=FILE",
-    )
+    spectral: common.SpectralBands = ""
+    spectrum: common.NamedSpectra = None
     tracing: Tracing
     errors: Path | None = option(None, "BSDF file of the standard errors to write.")
     rad: Path | None = option(None, "Radiance scene file of the geometry to write.")
