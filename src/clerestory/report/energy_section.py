@@ -144,8 +144,8 @@ def _checks(data: xr.Dataset) -> list[str]:
     if "solar_balance" in data:
         lines.append(
             "Reflected, absorbed and transmitted radiation differ from the radiation on"
-            f" a window by at most {100 * float(data['solar_balance'].max()):.2g} % in"
-            " any hour; before scaling, surfaces absorb"
+            f" a window by {_at_most(float(data['solar_balance'].max()))} in any hour;"
+            " before scaling, surfaces absorb"
             f" {100 * float(data['zone_closure'].min()):.1f} % of the radiation that"
             " reaches the zone."
         )
@@ -161,6 +161,10 @@ def _checks(data: xr.Dataset) -> list[str]:
                 f" energy of a year by at most {100 * energy:.1f} %."
             )
     return lines
+
+
+def _at_most(share: float) -> str:
+    return "less than 0.01 %" if share < 1e-4 else f"at most {100 * share:.2g} %"
 
 
 def _week(data: xr.Dataset, uses: Sequence[str], day: int, title: str) -> Markup:
