@@ -75,6 +75,22 @@ def test_remarks_are_reported_on_demand(call):
     assert "info: isotropy" in outcome.out
 
 
+def test_the_effect_of_equal_findings_is_explained_once(call, room):
+    """All channels pass twice as much from the front as from the back."""
+    front, back = lambertian(0.6, QUARTER), lambertian(0.3, QUARTER)
+    functions = {
+        (channel, name): of.function(name)
+        for channel in ("visible", "solar")
+        for of, name in ((front, "transmission_front"), (back, "transmission_back"))
+    }
+    write_bsdf(room / "unequal.xml", Bsdf(functions))
+    lines = call("bsdf", "check", "unequal.xml").out.splitlines()
+    sides = [line for line in lines if "warning: sides" in line or ": sides:" in line]
+    assert len(sides) == 2
+    assert "daylight depends on the side" in sides[0]
+    assert sides[1].endswith("equal values expected (solar transmission); as above")
+
+
 def test_a_doubtful_file_among_sound_ones_fails(call, one_sided):
     outcome = call("bsdf", "check", "diffuser.xml", one_sided)
     assert outcome.status == 1

@@ -99,9 +99,7 @@ def annual_glare(
         if not results and check_pixels:
             warn_if_coarse(evaluated.eye(pictures[0]), evaluated.rules, name=name)
         steps = range(len(results), len(results) + len(pictures))
-        own = [
-            replace(settings, given_illuminance=_at(illuminance, n)) for n in steps
-        ]
+        own = [replace(settings, given_illuminance=_at(illuminance, n)) for n in steps]
         for step, (values, poor) in zip(steps, evaluated(pictures, own), strict=True):
             results.append(values)
             if poor is not None:

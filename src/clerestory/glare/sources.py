@@ -101,9 +101,9 @@ def warn_if_coarse(eye: GlareView, rules: SourceRules, *, name: str) -> None:
     found, sides = merging_pixels(eye, rules), max(eye.shape)
     if found < _FEW_PIXELS:
         warnings.warn(
-            f"{name}: half the merging angle is {found:.1f} pixels at a resolution of"
-            f" {sides}; {_FEW_PIXELS:g} or more expected, which takes a resolution"
-            f" of {math.ceil(sides * _FEW_PIXELS / found)}",
+            f"{name}: a resolution of {sides} pixels is too coarse to tell glare"
+            f" sources apart; {math.ceil(sides * _FEW_PIXELS / found)} or more"
+            " expected",
             ClerestoryWarning,
             stacklevel=2,
         )

@@ -144,15 +144,8 @@ def sun_spectra(
         found = np.tile(spectral_function("d65"), (len(weather), 1))
     else:
         found = _spectrl2(weather, conditions, model)
-    return per_lux(found)
-
-
-def per_lux(
-    power: Float[np.ndarray, "time wavelength"],
-) -> Float[np.ndarray, "time wavelength"]:
-    """Spectra at `WAVELENGTH_NM`, scaled to one lux or one candela per square metre."""
-    lux = MAXIMUM_EFFICACY * integral(power * spectral_function("y"))
-    return np.asarray(power / lux[:, None])
+    lux = MAXIMUM_EFFICACY * integral(found * spectral_function("y"))
+    return np.asarray(found / lux[:, None])
 
 
 def _spectrl2(

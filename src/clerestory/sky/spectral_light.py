@@ -17,7 +17,6 @@ from clerestory.bands import Bands
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.sky.daylight_spectra import (
     DaylightSpectra,
-    per_lux,
     sky_colour_temperature,
     sun_spectra,
 )
@@ -31,6 +30,7 @@ from clerestory.spectral.functions import (
     integral,
     spectral_function,
 )
+from clerestory.spectral.light_colours import light_colour
 
 # Number of time steps that are computed at once
 _STEPS = 512
@@ -67,8 +67,7 @@ def sun_colours(
 ) -> LightColours:
     """Return the colour of the sun at each time step."""
     spectra = sun_spectra(weather, conditions, model)
-    light = _with_luminance_of_white(_colour(spectra.T, bands), bands)
-    return _sum_of_few(light, conditions.direct_normal)
+    return _sum_of_few(light_colour(spectra.T, bands), conditions.direct_normal)
 
 
 def _sum_of_few(light: Float[np.ndarray, "band time"], power: Series) -> LightColours:
@@ -99,7 +98,7 @@ def with_spectra(
     """Return a white sky with the spectra of daylight, and a sun of given colours."""
     if model.measured_sky is not None:
         spectra = model.measured_sky.at(sky.times, conditions.lit)
-        return _with_one_colour(sky, conditions, model, per_lux(spectra), sun)
+        return _with_one_colour(sky, conditions, model, spectra, sun)
     main, *others = _daylight_colours(sky.bands)
     ground = _ground(sky)
     diffuse = _chromatic_radiance(sky, conditions, model, np.array(others), main, sun)
@@ -135,7 +134,7 @@ def _with_one_colour(
     sun: LightColours,
 ) -> SkyMatrix:
     # Sky of one measured spectrum at each time step; the ground reflects it and the sun
-    light = _with_luminance_of_white(_colour(spectra.T, sky.bands), sky.bands)
+    light = light_colour(spectra.T, sky.bands)
     power = np.append(conditions.diffuse_horizontal, conditions.direct_normal)
     both = _sum_of_few(np.append(light, sun.values(), axis=1), power)
     of_sky, of_sun = np.split(both.shares, 2, axis=1)
@@ -209,8 +208,8 @@ def _chromatic_radiance(
 def _daylight_colours(bands: Bands) -> list[Float[np.ndarray, " band"]]:
     # Colours of S0, with the luminance of white, and of S1 and S2 without luminance
     lumen = MAXIMUM_EFFICACY * integral(_component(0) * spectral_function("y"))
-    main, *others = (_colour(_component(k) / lumen, bands) for k in range(3))
-    main = _with_luminance_of_white(main, bands)
+    main = light_colour(_component(0), bands)
+    others = [_colour(_component(k) / lumen, bands) for k in (1, 2)]
     if bands.efficacy is None:
         return [main, *others]
     weights = bands.weights
@@ -226,12 +225,3 @@ def _colour(
 ) -> Float[np.ndarray, " band *batch"]:
     # Factor on white light of the same luminance, from spectral power per lumen
     return light_in_bands(LUMINOUS_EFFICACY * per_lumen, bands)
-
-
-def _with_luminance_of_white(
-    light: Float[np.ndarray, " band *batch"], bands: Bands
-) -> Float[np.ndarray, " band *batch"]:
-    # Mean values in broad bands change the luminance
-    if bands.efficacy is None:
-        return light
-    return light * LUMINOUS_EFFICACY / np.tensordot(bands.weights, light, axes=1)

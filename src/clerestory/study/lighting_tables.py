@@ -28,6 +28,9 @@ class LuminaireTable(NamedFile):
     output: float = Field(1.0, gt=0, le=10)
     power: float | None = Field(None, gt=0)
     zone: str = ""
+    spectrum: InputFile | None = Field(
+        None, description="a file of wavelengths [nm] and spectral power"
+    )
 
     @property
     def photometric(self) -> bool:

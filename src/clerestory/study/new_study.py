@@ -2,8 +2,8 @@
 
 import importlib.resources
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from clerestory.checks import one_of, require
@@ -26,7 +26,12 @@ from clerestory.scene.view import View
 from clerestory.scene.window import Window
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study import study_files
-from clerestory.study.new_windows import NewWindow, Panes, sorted_windows
+from clerestory.study.new_windows import (
+    NewWindow,
+    Panes,
+    faces_left_out,
+    sorted_windows,
+)
 
 STUDY_FILE, SENSOR_FILE, VIEW_FILE = "study.toml", "workplane.pts", "desk.vf"
 
@@ -50,7 +55,10 @@ _DEMO_BLIND = ("FLEXLAB test room, venetian blind", "venetian_blind.xml")
 
 @dataclass(frozen=True)
 class NewStudy:
-    """Study file, numbers of sensors, rooms, windows and views; reversed windows."""
+    """Study file, numbers of sensors, rooms, windows and views; reversed windows.
+
+    `faces` is the number of faces that are left out, by name of the panes.
+    """
 
     study: Path
     sensors: int
@@ -58,6 +66,7 @@ class NewStudy:
     rooms: int = 1
     views: int = 0
     windows: int = 1
+    faces: Mapping[str, int] = field(default_factory=dict)
 
 
 def begin_study(
@@ -81,10 +90,12 @@ def begin_study(
     along and towards the façade, for pictures and glare.
 
     Panes are the polygons of the files `windows`, or those of the materials `glazing`
-    in the scene. Panes whose back faces the room are turned in a copy; those of several
-    rooms or orientations are written as several windows. Warnings are issued for
-    probable mistakes, such as glazing left in the scene. `units` is the unit of length
-    of the scene, the windows and the sensors; `spacing` and `height` are in metres.
+    in the scene. Of panes modelled as solids, or as parallel faces up to 0.1 m apart,
+    the face towards the room is used. Panes whose back faces the room are turned in a
+    copy; those of several rooms or orientations are written as several windows.
+    Warnings are issued for probable mistakes, such as glazing left in the scene.
+    `units` is the unit of length of the scene, the windows and the sensors; `spacing`
+    and `height` are in metres.
     """
     one_of(units, "units", choices=METRES)
     metres = METRES[units]
@@ -105,6 +116,7 @@ def begin_study(
     groups, rooms = sorted_windows(
         room, files, metres=metres, grid=None if sensors and not views else grid
     )
+    out = faces_left_out(files, groups)
     every = [group for found in groups.values() for group in found]
     warn_of_scene(room, [scaled(group.window, metres) for group in every])
     grids = (
@@ -120,7 +132,12 @@ def begin_study(
     shown = [
         file
         for given, found in groups.items()
-        for file in _files(folder, given, found, copied=bool(glazing))
+        for file in _files(
+            folder,
+            given,
+            found,
+            copied=bool(glazing) or any(file == given for file, _ in out),
+        )
     ]
     kept: list[str | Path] = [] if sensors is None else [sensors]
     if sensors is None:
@@ -160,6 +177,7 @@ def begin_study(
         rooms=len(rooms) or 1,
         views=len(seen),
         windows=len(every),
+        faces={name: count for (_, name), count in out.items()},
     )
 
 
@@ -181,7 +199,9 @@ def _panes(
 def _files(
     folder: Path, given: Path, found: Sequence[NewWindow], *, copied: bool
 ) -> list[Path]:
-    # The given file, a copy with panes turned, or a file for each window group
+    # The given file, a copy with panes changed, or a file for each window group
+    if not found:
+        return []
     copied |= any(group.turned for group in found)
     if all(group.whole for group in found):
         if copied:
