@@ -252,8 +252,8 @@ def test_states_may_be_bsdfs(recipe, call, diffusing, tmp_path):
     for one in (np.stack([light, dense]), direct):
         assert one[1].sum(axis=1) == pytest.approx(one[0].sum(axis=1) / 2, rel=1e-3)
     assert np.all(direct[0] <= light + 1e-3)
-    # The clear pane, of 88 % for normal light, also has the sun on the sensors
-    assert np.all(clear.sum(axis=1) > light.sum(axis=1))
+    # By clear glass more light is near the window, where the sun shines in
+    assert clear[0].sum() > light[0].sum()
 
     room = office()
     alone = {"radiance": {"modifier": "light"}}
