@@ -81,6 +81,10 @@ SHOWN = (
     Shown("open_plan", "room.vf", "12-21T12:30",
           "Windows on two sides, roller screens by irradiance with hysteresis in the"
           " south, dimmed luminaires."),
+    Shown("melanopic_classroom", "../redirecting_film/room.vf", "09-21T12:30",
+          "Melanopic light at four eyes behind a blind, with a film of mirrors above:"
+          " twenty bands, coloured walls and floor, tinted glass, spectra of sky and"
+          " sun. The blind gives four bright hours by noon."),
 )  # fmt: skip
 
 
@@ -169,6 +173,10 @@ def figures(results: Results, processor: float | None) -> dict[str, Any]:
         "sun": float(data["room_hours_of_sun"])
         if "room_hours_of_sun" in data
         else None,
+        **{
+            name: float(data[name].mean()) if name in data else None
+            for name in ("mean_melanopic_edi", "melanopic_autonomy", "melanopic_days")
+        },
     }
 
 
@@ -177,8 +185,8 @@ def page(found: dict[str, dict[str, Any]]) -> str:
     lines = [
         "# A gallery of studies",
         "",
-        "Six rooms in `studies/`, each run by one command. Geometry, BSDFs and weather",
-        "are our own or in the public domain; `studies/make.py` makes the BSDFs from",
+        "Seven rooms in `studies/`, each run by one command. Geometry, BSDFs and",
+        "weather are our own or public domain; `studies/make.py` makes the BSDFs from",
         "parametric systems and the weather (Greensboro, TMY3) from pvlib's data. Each",
         "can be copied and adapted to another room. Two more studies are not shown",
         "here: `studies/crash_course_day` is an animation of one day, and",
@@ -220,6 +228,12 @@ def words_of(one: dict[str, Any]) -> list[str]:
     ]
     if one["sun"] is not None:
         lines.append(f"EN 17037: {one['sun']:.1f} h of sun on 21 March.")
+    if one.get("mean_melanopic_edi") is not None:
+        lines.append(
+            f"Melanopic EDI: {one['mean_melanopic_edi']:,.0f} lux on average, 250 lux"
+            f" in {100 * one['melanopic_autonomy']:.0f} % of the hours, and for four"
+            f" hours by noon on {100 * one['melanopic_days']:.0f} % of the days."
+        )
     if one["processor"] is not None:
         lines.append(f"The run took {one['processor']:.0f} s of processor time.")
     return lines

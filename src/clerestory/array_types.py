@@ -25,6 +25,7 @@ Series = Float[np.ndarray, " time"]
 Image = Float[np.ndarray, "row column"]
 EachImage = Float[np.ndarray, "_ _"]  # one of several images of different size
 Pictures = Float[np.ndarray, "picture row column"]
+EachGroup = Float[np.ndarray, "_ row column"]  # one of several groups of pictures
 ImageMask = Bool[np.ndarray, "row column"]
 PictureMasks = Bool[np.ndarray, "picture row column"]
 

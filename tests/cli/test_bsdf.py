@@ -47,6 +47,17 @@ def test_a_built_in_product_is_checked_as_its_file_would_be(call, room):
     assert outcome.out == written.out.replace("clear.xml", name)
 
 
+def test_spectra_of_materials_are_listed_and_written(call, room):
+    listed = call("bsdf", "library", "pine").out
+    assert "library 7" not in listed.splitlines()[-1]
+    assert listed.splitlines()[-1].split() == ["pine", "new", "pine", "beam"]
+    assert "double-lowe-6" in call("bsdf", "library").out
+    assert call("bsdf", "library", "library:pine", "-o", "pine.csv").status == 0
+    first, *rows = (room / "pine.csv").read_text().splitlines()
+    assert first == "wavelength [nm],reflectance"
+    assert len(rows) == 81
+
+
 def test_a_file_that_radiance_refuses_is_doubtful(call, room):
     text = (room / "diffuser.xml").read_text()
     spaced = text.replace("<FileType>BSDF<", "<FileType> BSDF <")
@@ -62,6 +73,22 @@ def test_remarks_are_reported_on_demand(call):
     outcome = call("bsdf", "check", "diffuser.xml", "--all")
     assert outcome.status == 0
     assert "info: isotropy" in outcome.out
+
+
+def test_the_effect_of_equal_findings_is_explained_once(call, room):
+    """All channels pass twice as much from the front as from the back."""
+    front, back = lambertian(0.6, QUARTER), lambertian(0.3, QUARTER)
+    functions = {
+        (channel, name): of.function(name)
+        for channel in ("visible", "solar")
+        for of, name in ((front, "transmission_front"), (back, "transmission_back"))
+    }
+    write_bsdf(room / "unequal.xml", Bsdf(functions))
+    lines = call("bsdf", "check", "unequal.xml").out.splitlines()
+    sides = [line for line in lines if "warning: sides" in line or ": sides:" in line]
+    assert len(sides) == 2
+    assert "daylight depends on the side" in sides[0]
+    assert sides[1].endswith("equal values expected (solar transmission); as above")
 
 
 def test_a_doubtful_file_among_sound_ones_fails(call, one_sided):

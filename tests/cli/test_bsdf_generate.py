@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.spectral.band_sets import band_means, band_set
+from clerestory.spectral.material_library import material_spectrum
 
 FEW = ("--samples", 64, "--quiet")
 SLATS = """
@@ -61,10 +63,40 @@ def test_bands_and_a_toml_file(call, room):
     assert read_bsdf("pane.xml").channels == ("visible", "solar")
 
 
+def test_spectral_bands_with_a_built_in_spectrum(call, room):
+    slats = "slat_width=0.05,spacing=0.05,tilt_deg=90"
+    done = call(
+        *("bsdf", "generate", "--venetian", slats, "--basis", "quarter"),
+        *("--spectral", "melanopic+photopic", "--spectrum", "upper=library:pine"),
+        *("--sides", "front", "--samples", 256, "-o", "slats.xml", "--quiet"),
+    )
+    assert (done.status, done.err) == (0, "")
+    bsdf = read_bsdf("slats.xml")
+    pine = material_spectrum("pine")
+    means = dict(
+        zip(
+            ("melanopic", "photopic"),
+            band_means(pine, band_set("melanopic+photopic")),
+            strict=True,
+        )
+    )
+    assert set(bsdf.channels) == {"visible", *means}
+    for name, rho in {**means, "visible": means["photopic"]}.items():
+        found = bsdf.diffuse("reflection_front", channel=name)
+        assert found == pytest.approx(rho, rel=2e-3)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         ((), "no system"),
+        (("--woven", "default", "--spectrum", "thread=library:pine"), "--spectral"),
+        (("--woven", "default", "--spectral", "20", "--spectrum", "x"), "slat=library"),
+        (("--woven", "default", "--spectral", "RGB"), "such as 20"),
+        (
+            ("--woven", "default", "--spectral", "20", "--band", "a=1/0/0"),
+            "one of them",
+        ),
         (("--venetian", "slat_width"), "name=value pairs"),
         (("--venetian", "spacing=1"), "lacks the parameter 'slat_width'"),
         (("--woven", "default", "--microlouvre", "default"), "several systems"),

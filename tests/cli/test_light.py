@@ -34,6 +34,18 @@ def test_a_picture_is_rendered_under_a_generated_sky(call, room):
     assert read_picture("e.hdr").radiance.max() > 0
 
 
+def test_a_picture_in_bands_has_the_colours_of_spectra(call, room):
+    """Walls of red brick, by three bands: redder than the grey ones."""
+    shown = []
+    for spectral in ((), ("--spectral", "3", "--spectrum", "grey=library:brick-red")):
+        outcome = call(*RENDER, "--sky", SKY, "--samples", 8, *spectral, "-o", "a.hdr")
+        assert outcome.status == 0, outcome.err
+        shown.append(read_picture("a.hdr").radiance.mean(axis=(0, 1)))
+    (red, _, blue), (brick_red, _, brick_blue) = shown
+    assert red == pytest.approx(blue, rel=0.02)
+    assert brick_red > 1.05 * brick_blue
+
+
 def test_a_picture_shows_illuminance_where_asked(call, room):
     outcome = call(
         *RENDER, "--sky", SKY, "--samples", 8, "-o", "a.hdr", "--illuminance"

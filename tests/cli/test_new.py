@@ -220,6 +220,51 @@ def test_panes_of_two_rooms_are_two_windows_with_grids(call, export, words):
     assert grids[0].max() < 5 < 5.2 < grids[1].min()
 
 
+# Faces of a pane 0.02 m thick, fronts outwards; the room is towards +y
+SOLID = (
+    "0 0 0  5 0 0  5 0 3  0 0 3",
+    "0 .02 0  0 .02 3  5 .02 3  5 .02 0",
+    "0 0 0  0 0 3  0 .02 3  0 .02 0",
+    "5 0 0  5 .02 0  5 .02 3  5 0 3",
+    "0 0 0  0 .02 0  5 .02 0  5 0 0",
+    "0 0 3  5 0 3  5 .02 3  0 .02 3",
+)
+
+
+@pytest.mark.parametrize("faces", [SOLID, SOLID[:2], SOLID[1::-1]])
+@pytest.mark.parametrize(
+    "words", ["export.rad --glazing clear", "a.rad --window p.rad"]
+)
+def test_of_a_pane_with_several_faces_the_inner_one_is_the_window(
+    call, export, faces, words
+):
+    text = "".join(pane(f"p{k}", corners) for k, corners in enumerate(faces))
+    (export / "export.rad").write_text(box("a", 0, 5) + text)
+    (export / "a.rad").write_text(box("a", 0, 5))
+    (export / "p.rad").write_text(text)
+    outcome = call(*EXPORT.split(), *words.split())
+    assert outcome.status == 0, outcome.err
+    assert outcome.err == ""
+    assert f"is the window; {len(faces) - 1} other face" in outcome.out
+    assert "reversed" not in outcome.out
+    (group,) = read_inputs(read_study(export / "office" / "study.toml")).groups
+    (polygon,) = group.inner.polygons
+    assert sorted(polygon.vertices[:, 1]) == [0.02] * 4
+    assert group.inner.frame.normal.tolist() == pytest.approx([0, 1, 0])
+
+
+def test_a_file_of_outer_panes_alone_gives_no_window(call, export):
+    """Double glazing whose panes are in two files, the outer pane first."""
+    (export / "a.rad").write_text(box("a", 0, 5))
+    for name, face in (("outer", SOLID[0]), ("inner", SOLID[1])):
+        (export / f"{name}.rad").write_text(pane("p", face))
+    words = "a.rad --window outer.rad inner.rad"
+    outcome = call(*EXPORT.split(), *words.split())
+    assert outcome.status == 0, outcome.err
+    (table,) = read_study(export / "office" / "study.toml").window
+    assert table.file.name == "inner.rad"
+
+
 def test_panes_of_two_orientations_are_two_windows(call, export):
     east = pane("r", "5 1 1  5 3 1  5 3 2  5 1 2")
     room = box("a", 0, 5).replace("5 0 3 5 4 3 5 4 0", "5 0 1 5 4 1 5 4 0")

@@ -23,6 +23,17 @@ def test_a_plan_names_matrices_and_writes_nothing(call, room):
     assert not (room / "results").exists()
 
 
+def test_matrices_of_variants_have_one_line(call, room):
+    """Another seed: each matrix is traced twice, with as many paths."""
+    text = (room / "study.toml").read_text()
+    variant = '[[variant]]\nname = "other seed"\ntrace.seed = 2\n'
+    (room / "study.toml").write_text(text + variant)
+    done = call("run", "study.toml", "--plan", "--out", "results")
+    assert done.status == 0, done.err
+    assert re.search(r"2 × view-south .* 4 .* 41 .* 2,048 ", done.out)
+    assert len(re.findall("view-south", done.out)) == 1
+
+
 def test_what_an_earlier_run_kept_costs_nothing(call):
     assert call("run", "study.toml", "--out", "results", "--quiet").status == 0
     done = call("run", "study.toml", "--plan", "--out", "results")
@@ -68,7 +79,7 @@ def test_a_plan_has_the_stages_the_pictures_and_the_files_of_the_run(view):
         size = sum(file.stat().st_size for file in written)
         assert size / 1.5 < plan.stages[stage].bytes < size * 1.5, stage
     computed = int(glare.notnull().sum())
-    assert plan.stages["pictures"].work == f"{computed} computed, 2 written"
+    assert plan.stages["pictures"].work == f"glare at {computed} steps, 2 pictures"
     sizes = {file.name: file.stat().st_size for file in view.glob("results/matrices/*")}
     assert {matrix.file for matrix in plan.matrices} == set(sizes)
     for matrix in plan.matrices:

@@ -36,6 +36,25 @@ def test_long_work_says_a_line_every_ten_seconds_with_what_is_left(clock, capsys
     assert lines[0] == "view matrix: 5%, 1 M paths/s, 38 s left"
 
 
+def test_what_is_left_is_said_once_the_rate_is_steady(clock, capsys):
+    """Work of 100 s after 20 s of compilation: 1 % after 20 s would mean 2,000 s."""
+    with progress_display(quiet=False) as display:
+        report = display("view matrix")
+        for second in range(1, 120):
+            clock[0] += 1
+            report(max(0.01, (second - 20) / 100), "note")
+    lines = capsys.readouterr().err.splitlines()
+    said = {}
+    for line in lines:
+        share, _, *left = line.removeprefix("view matrix: ").split(", ")
+        said[int(share.removesuffix("%"))] = left
+    assert not any(left for share, left in said.items() if share < 15)
+    later = {share: left for share, left in said.items() if share > 25}
+    assert len(later) >= 7
+    for share, (left,) in later.items():
+        assert int(left.split()[0]) == pytest.approx(100 - share, abs=2)
+
+
 def test_quiet_work_says_nothing_however_long(clock, capsys):
     work(clock, 400, 400, quiet=True)
     assert capsys.readouterr() == ("", "")

@@ -31,7 +31,7 @@ def coarse(room):
 
 
 def merging_warnings(text):
-    return [line for line in text.splitlines() if "merging angle" in line]
+    return [line for line in text.splitlines() if "glare sources" in line]
 
 
 def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
@@ -41,8 +41,8 @@ def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
     assert run.status == 0
     assert merging_warnings(run.err) == planned
     assert planned == [
-        'warning: [[view]] "seat": half the merging angle is 1.4 pixels at a'
-        " resolution of 60; 3 or more expected, which takes a resolution of 134"
+        'warning: [[view]] "seat": a resolution of 60 pixels is too coarse to'
+        " tell glare sources apart; 134 or more expected"
     ]
     data = read_results("results").data
     lit = np.isfinite(data["glare_dgp"].values)
@@ -50,7 +50,7 @@ def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
     page = (coarse / "results/report.html").read_text()
     assert re.search(r"<td>0\.\d+ ± 0\.\d+</td>", page)
     noted = json.loads((coarse / "results/run.json").read_text())["warnings"]
-    assert [f"warning: {line}" for line in noted if "merging" in line] == planned
+    assert [f"warning: {line}" for line in noted if "glare sources" in line] == planned
 
 
 def test_a_view_too_small_for_glare_is_refused_before_tracing(call, coarse):
@@ -73,6 +73,6 @@ def test_pictures_in_a_row_share_a_warning(call, room):
     for name in names:
         write_picture(Picture(np.ones((40, 40, 3), np.float32), view=eye), name)
     first, last = merging_warnings(call("glare", *names).err)
-    assert "the picture: half the merging angle is 0.9 pixels" in first
+    assert "the picture: a resolution of " in first
     assert last == f"{first} (5 such warnings)"
     assert len(merging_warnings(call("glare", *names, "--annual", "year.csv").err)) == 1

@@ -301,6 +301,11 @@ READERS = {
         "paint.csv",
         ("nm,reflectance\n400,0.2\n500;0.4 # green\n700 0.6\n",),
     ),
+    "measured spectra": Reader(
+        "sky.measured_spectra:read_measured_spectra",
+        "sky.csv",
+        ("time,400,500,700\n2026-06-20T12:00,2,3,1\n2026-06-20T13:00,2,1,4 # red\n",),
+    ),
     "sensors": Reader(
         "scene.sensors:read_sensors", "desk.pts", ("1 1 .8 0 0 1\n2 1 .8 0 0 1\n",)
     ),

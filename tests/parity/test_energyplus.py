@@ -12,7 +12,10 @@ import pytest
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.energyplus.building_model import read_building_model
 from clerestory.energyplus.complex_fenestration import complex_fenestration
+from clerestory.energyplus.engine_run import AnnualRun, Output
+from clerestory.energyplus.engine_run import simulate as simulate_year
 from clerestory.energyplus.input_objects import as_idf
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.glazing_system import Gap, GlazingSystem
@@ -22,7 +25,7 @@ from clerestory.glazing.pane import two_band_pane
 from clerestory.glazing.screen import WovenShade
 from clerestory.glazing.stack import stack_layers
 from clerestory.glazing.thermal import thermal_figures
-from energy_models import BASIS, PANE, SLAT, blind
+from energy_models import BASIS, PANE, SLAT, Zone, blind
 
 pytestmark = [
     pytest.mark.slow,
@@ -43,7 +46,34 @@ OUTPUTS = (
     "Surface Outside Face Incident Beam Solar Radiation Rate per Area",
     "Surface Window Transmitted Beam Solar Radiation Rate",
     "Surface Window Transmitted Solar Radiation Rate",
+    "Surface Window Total Glazing Layers Absorbed Shortwave Radiation Rate",
 )
+
+# A room without mass at 24 °C, with a window of 1 m², and the outdoor film of NFRC's
+# summer
+SUMMER = Zone(
+    size=(4, 5, 3),
+    window=(1.5, 2.5, 1, 2),
+    materials="""
+Material:NoMass,Insulation,Rough,40,0.9,0.00001,0.00001;
+Material:NoMass,Board,Rough,0.2,0.9,1,1;
+Construction,Wall,Insulation,Board;
+Construction,Partition,Board;
+Construction,Slab,Board;
+""",
+    use="""
+Schedule:Constant,Use,Any,1;
+Schedule:Constant,Heat,Any,24;
+Schedule:Constant,Cool,Any,24.001;
+""",
+    power=0,
+    air_changes=0,
+)
+OUTSIDE = (
+    "Site:GroundReflectance,0,0,0,0,0,0,0,0,0,0,0,0;",
+    "SurfaceProperty:ConvectionCoefficients,South Window,Outside,Value,15;",
+)
+THREE_DAYS = ("RunPeriod,Year,1,1,,12,31", "RunPeriod,Year,12,20,,12,22")
 
 
 @pytest.fixture(scope="module")
@@ -151,6 +181,19 @@ def test_the_sun_comes_from_above(from_above, simulate):
     assert 0.7 < share < 0.9 if from_above else share == 0
 
 
+def published_system():
+    """Two panes with the values along the normal that the published file states.
+
+    They give 0.7207 transmitted, 0.1382 reflected, 0.0792 absorbed by the outer one
+    (solar) and 0.8102 transmitted (visible).
+    """
+    solar, visible = Optics.alike(0.84168, 0.08396), Optics.alike(0.89930, 0.04319)
+    pane = replace(
+        two_band_pane("pane", solar=solar, visible=visible), thickness=0.003962
+    )
+    return GlazingSystem("double", (Glass(pane), Glass(pane)), (AIR,))
+
+
 def test_the_published_model_with_our_matrices(model, simulate):
     """Two panes with the values along the normal that the file states."""
     _, text = model
@@ -159,13 +202,7 @@ def test_the_published_model_with_our_matrices(model, simulate):
         start = text.index(f"CFS_Glz_1_{name},", text.index("Matrix:TwoDimension"))
         cells = re.sub(r"!.*", "", text[start:]).split(",")
         normal[name] = float(cells[3])
-    # Panes that give 0.7207 transmitted, 0.1382 reflected, 0.0792 absorbed by the outer
-    # one (solar) and 0.8102 transmitted (visible)
-    solar, visible = Optics.alike(0.84168, 0.08396), Optics.alike(0.89930, 0.04319)
-    pane = replace(
-        two_band_pane("pane", solar=solar, visible=visible), thickness=0.003962
-    )
-    system = GlazingSystem("double", (Glass(pane), Glass(pane)), (AIR,))
+    system = published_system()
     light = stack_layers(system.layers, partition=BASIS)
     measure = BASIS.projected_solid_angles()[0]
     given = [normal[name] * measure for name in ("TfSol", "RbSol", "Tfvis")]
@@ -181,7 +218,67 @@ def test_the_published_model_with_our_matrices(model, simulate):
     outer = light.absorptance["solar", "front"][0, 0]
     assert outer == pytest.approx(normal["Layer_1_fAbs"], abs=1e-4)
 
-    theirs = hourly(simulate(None))[OUTPUTS[2]]
-    with_ours = hourly(simulate(system, light))[OUTPUTS[2]]
-    assert theirs.mean() > 300
-    assert np.abs(with_ours - theirs).mean() < 0.01 * theirs.mean()
+    folder = simulate(None)
+    theirs, u = hourly(folder), reported_u(folder)
+    folder = simulate(system, light)
+    with_ours = hourly(folder)
+    for name, least in zip(OUTPUTS[2:], (300, 50), strict=True):
+        assert theirs[name].mean() > least
+        apart = np.abs(with_ours[name] - theirs[name]).mean()
+        assert apart < 0.01 * theirs[name].mean()
+    assert reported_u(folder) == pytest.approx(u, abs=0.001)
+    heat = thermal_figures(system.layers, system.gaps)
+    assert u == pytest.approx(heat.u, abs=0.005)
+
+
+@pytest.mark.parametrize("ours", [False, True], ids=["published", "ours"])
+def test_the_heat_gain_of_the_published_model(ours, model, shared_data, tmp_path):
+    """The solar heat gain coefficient, from zone loads with the sun and without.
+
+    The window of 1 m² in a black room without mass has NFRC's summer conditions, and
+    the sun along its normal: a day of winter at the polar circle.
+    """
+    system = published_system()
+    objects = model[1]
+    if ours:
+        light = stack_layers(system.layers, partition=BASIS)
+        objects = as_idf(complex_fenestration(system, light, name="CFS_Glz_1"))
+    path = tmp_path / "in.idf"
+    text = SUMMER.text("CFS_Glz_1", objects, *OUTSIDE).replace(*THREE_DAYS)
+    path.write_text(text.replace("Timestep,4", "Timestep,1"), "latin-1")
+    building = read_building_model(path).objects
+    weather = shared_data / "weather" / "chicago.epw"
+    net = Output("Surface Window Net Heat Transfer Rate", "South Window")
+    sun = Output(OUTPUTS[0], "South Window")
+    load = Output("Cooling:EnergyTransfer", sum=True)
+    found = []
+    for watts in (783, 0):
+        steady = tmp_path / f"{watts}.epw"
+        steady.write_text(steady_weather(weather.read_text("latin-1"), watts))
+        run = AnnualRun(building, steady, [], [net, sun, load])
+        found.append(simulate_year(run)[:, 354 * 24 : 355 * 24])
+    with_sun, without = found
+    noon = int(np.argmax(with_sun[1]))
+    assert with_sun[1, noon] == pytest.approx(783, rel=0.01)
+    shgc = (with_sun[0] - without[0])[noon] / with_sun[1, noon]
+    expected = thermal_figures(system.layers, system.gaps).shgc
+    assert shgc == pytest.approx(expected, abs=0.005)
+    # The sum of the loads of the day; the wall has a little gain of its own
+    gain = (with_sun[2] - without[2]).sum() / 3600 / with_sun[1].sum()
+    assert gain == pytest.approx(shgc, abs=0.01)
+
+
+def steady_weather(text, watts):
+    """An EPW file of 32 °C, a black sky of that temperature, and a constant sun."""
+    lines = text.splitlines()
+    place = lines[0].split(",")
+    place[6:9] = ["65.5", "0.0", "0.0"]
+    rows = [",".join(place), *lines[1:8]]
+    sky = 5.6697e-8 * (32 + 273.15) ** 4
+    given = {6: 32, 12: f"{sky:.2f}", 13: watts, 14: watts, 15: 0, 21: 2.75}
+    for line in lines[8:]:
+        cells = line.split(",")
+        for column, value in given.items():
+            cells[column] = str(value)
+        rows.append(",".join(cells))
+    return "\n".join(rows) + "\n"

@@ -127,7 +127,7 @@ def study_in(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*merging angle is .* pixels")
+@pytest.mark.filterwarnings("ignore:.*too coarse to tell glare sources")
 @pytest.mark.parametrize("workers", [2, 3])
 def test_a_study_gives_the_same_files_on_a_cluster(small_units, tmp_path, workers):
     """Matrices byte by byte, results value by value, with one worker killed."""

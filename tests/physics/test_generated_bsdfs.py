@@ -1,5 +1,7 @@
 """Generated BSDFs whose every value, or whose sums, have a closed form."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -12,12 +14,17 @@ from clerestory.bsdfgen.mirror_symmetry import Orbits
 from clerestory.bsdfgen.morton_codes import incident_code
 from clerestory.bsdfgen.panes_and_fabrics import clear_pane, diffuse_pane, fabric
 from clerestory.bsdfgen.screen_geometry import perforated, woven
-from clerestory.bsdfgen.shading_system import SampleArea
+from clerestory.bsdfgen.shading_system import SampleArea, system_in_bands
 from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.engine import device as devices
+from clerestory.engine import work_units
+from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.shirley_chiu import disc_from_square
 from clerestory.scene.model import Metal, Plastic, Polygon, Scene
+from clerestory.scene.surface import area_vector
+from clerestory.spectra import Spectrum
+from clerestory.spectral.band_sets import band_means, band_set
 
 FUNCTIONS = (
     "transmission_front",
@@ -486,3 +493,114 @@ def test_the_error_aimed_at_is_reached(device):
     parts = list(bsdf.functions.values())
     error = np.sqrt(np.mean([p.standard_error**2 for p in parts]))
     assert error <= 0.2 * np.mean([p.values for p in parts]) * (1 + 1e-6)
+
+
+# Reflectances of a paint that absorbs blue
+PAINT = Spectrum(np.array([400.0, 500.0, 600.0, 700.0]), np.array([0.1, 0.3, 0.7, 0.8]))
+
+
+def test_bands_share_the_paths_of_a_blind(device, monkeypatch):
+    """A slit between painted slats: each band as if it was traced alone.
+
+    All bands are traced in one pass. The first and last of twenty bands have other
+    throughputs by a factor of eight.
+    """
+    blind = venetian(slat_width=0.05, spacing=0.05, tilt_deg=70, specularity=0.02)
+    bands = band_set("20")
+    effort = {"basis": "quarter", "samples": 4096, "device": device}
+    spectra = {"upper": PAINT}
+    system = system_in_bands(blind, bands, spectra=spectra)
+    monkeypatch.setattr(work_units, "band_groups", lambda _: pytest.fail("by threes"))
+    together = cl.generate_bsdf(system, **effort)
+    monkeypatch.undo()
+    assert together.channels == ("visible", *bands.names)
+    values = band_means(PAINT, bands)
+    for number in (0, 9, 19):
+        alone = cl.generate_bsdf(
+            venetian(
+                slat_width=0.05,
+                spacing=0.05,
+                tilt_deg=70,
+                reflectance=values[number],
+                specularity=0.02,
+            ),
+            seed=11,
+            **effort,
+        )
+        for name in FUNCTIONS:
+            own = together.functions[bands.names[number], name]
+            other = part(alone, name)
+            error = np.hypot(row_error(own), row_error(other))
+            shares, known = (f.direct_hemispherical() for f in (own, other))
+            assert (np.abs(shares - known) < 4 * error + 1e-4).all()
+            assert shares.mean() == pytest.approx(known.mean(), rel=0.01)
+
+
+def row_error(function):
+    """Standard error of direct-hemispherical values, from independent single ones."""
+    measure = function.exits.projected_solid_angles()[:, None]
+    return np.sqrt(np.square(function.standard_error * measure).sum(axis=0))
+
+
+def bowl(azimuths=48, rings=12, half=1.05):
+    """A hemispherical bowl below the hole of a black plate, and its two areas [m²]."""
+    phi = np.arange(azimuths + 1) * 2 * np.pi / azimuths
+    round_ = np.stack([np.cos(phi), np.sin(phi), 0 * phi], axis=1)
+    square = half * round_ / np.abs(round_).max(axis=1, keepdims=True)
+    theta = np.linspace(0, np.pi / 2, rings + 1)
+    circles = [np.cos(t) * round_ - [0, 0, np.sin(t)] for t in theta]
+    quads = [("black", square, circles[0])]
+    quads += [("paint", above, below) for above, below in itertools.pairwise(circles)]
+    polygons = []
+    for name, outer, inner in quads:
+        for k in range(azimuths):
+            corners = np.array([outer[k], outer[k + 1], inner[k + 1], inner[k]])
+            if np.allclose(inner[k], inner[k + 1]):
+                corners = corners[:3]
+            polygons.append(Polygon(corners, name, f"{name}{len(polygons)}"))
+    areas = [np.linalg.norm(area_vector(one.vertices)) for one in polygons]
+    painted = sum(areas[azimuths:])
+    materials = {
+        "paint": Plastic("paint", np.full(3, 0.5)),
+        "black": Plastic("black", np.zeros(3)),
+    }
+    opening = 4 * half**2 - sum(areas[:azimuths])
+    return Scene(materials, tuple(polygons)), opening, painted
+
+
+def test_bands_of_a_bowl_are_those_of_its_closed_form(device):
+    """Diffuse light on a spherical cavity: R = ρF / (1 − ρ(1 − F)), F = A₀ / A.
+
+    Every point of a sphere sees the opening by the same factor, the ratio of the area
+    of the opening to that of the wall, here a half.
+    """
+    scene, opening, wall = bowl()
+    factor = opening / wall
+    assert factor == pytest.approx(0.5, rel=0.01)
+    bands = band_set("20")
+    painted = cl.in_bands(scene, bands, spectra={"paint": PAINT})
+    bsdf = cl.generate_bsdf(
+        painted, basis="quarter", samples=8192, sides="back", device=device
+    )
+    share = opening / (2 * 1.05) ** 2
+    for name, rho in zip(bands.names, band_means(PAINT, bands), strict=True):
+        found = bsdf.diffuse("reflection_back", channel=name)
+        expected = share * rho * factor / (1 - rho * (1 - factor))
+        assert found == pytest.approx(expected, rel=0.01), name
+        assert bsdf.diffuse("transmission_back", channel=name) < 1e-4
+
+
+def test_trees_have_three_bands(device):
+    """Tensor trees are traced in three channels only."""
+    scene = cl.in_bands(sheet(Plastic("m", np.full(3, 0.5))), band_set("20"))
+    area = SampleArea(BOX, periodic=True)
+    with pytest.raises(InputError, match="trees of a scene"):
+        cl.generate_bsdf(scene, area=area, basis="tree3", device=device)
+
+
+def test_systems_with_a_solar_band_have_no_spectral_bands():
+    pane = venetian(
+        slat_width=0.05, spacing=0.05, reflectance=0.4, solar_reflectance=0.3
+    )
+    with pytest.raises(InputError, match="visible, solar"):
+        system_in_bands(pane, band_set("20"), spectra={})

@@ -18,7 +18,7 @@ from clerestory.study.study_run import run_study
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.filterwarnings("ignore:.*merging angle"),
+    pytest.mark.filterwarnings("ignore:.*too coarse to tell glare sources"),
 ]
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"

@@ -14,11 +14,14 @@ from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.control.bright_period import bright_states
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.spectra import Spectrum
-from clerestory.spectral.band_sets import band_means, band_set
-from clerestory.spectral.spectrum_file import read_spectrum
+from clerestory.spectral.band_sets import band_means, band_set, light_in_bands
+from clerestory.spectral.colour_temperature import colour_temperature, tristimulus
+from clerestory.spectral.functions import spectral_function
+from clerestory.spectral.spectrum_file import format_spectrum, read_spectrum
 from clerestory.study.config import read_study
 from clerestory.study.study_run import run_study
 
@@ -39,11 +42,20 @@ def study(tmp_path):
     text = file.read_text()
 
     def run(
-        bands, *, spectrum="", method="3-phase", sky="", window="", again="", output=""
+        bands,
+        *,
+        spectrum="",
+        method="3-phase",
+        sky="",
+        window="",
+        again="",
+        output="",
+        layer='bsdf = "diffuser.xml"\n',
     ):
         keys = f'[scene]\nbands = "{bands}"\n'
         changed = text.replace("[scene]\n", keys).replace("3-phase", method)
         changed = changed.replace("[[window]]", f"{spectrum}\n[[window]]", 1)
+        changed = changed.replace('bsdf = "diffuser.xml"\n', layer)
         file.write_text(changed.replace("[sky]\n", f"[sky]\n{sky}\n"))
         changed = file.read_text().replace("[[window]]\n", f"[[window]]\n{window}\n")
         changed = changed.replace("[output]\n", f"[output]\n{output}\n")
@@ -147,6 +159,17 @@ def test_wood_takes_melanopic_light(study):
     np.testing.assert_allclose(two["illuminance"], many["illuminance"], rtol=0.06)
 
 
+def test_built_in_spectra_are_those_of_files(study, tmp_path):
+    """Walls of pine by name, and by a file of the same values."""
+    by_name = of_material("grey").replace("wood.txt", "library:pine")
+    named = study("melanopic+photopic", spectrum=by_name)
+    pine = read_spectrum("library:pine")
+    (tmp_path / "study" / "wood.txt").write_text(format_spectrum(pine, "reflectance"))
+    filed = study("melanopic+photopic", spectrum=of_material("grey"))
+    for name in ("illuminance", "melanopic_edi"):
+        np.testing.assert_allclose(named[name], filed[name], rtol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("bands", "spectrum", "words"),
     [
@@ -155,6 +178,11 @@ def test_wood_takes_melanopic_light(study):
         ("RGB", of_material("grey"), "bands RGB"),
         ("20", of_material("grey") * 2, "two spectra"),
         ("20", of_material("gold"), 'no material "gold"'),
+        (
+            "20",
+            of_material("grey").replace("wood.txt", "library:pin"),
+            "such as pine",
+        ),
     ],
 )
 def test_impossible_bands_are_errors(study, bands, spectrum, words):
@@ -198,6 +226,153 @@ def test_two_weightings_have_one_photoreceptor_and_no_colour(study, tmp_path):
     data = study("melanopic+photopic", output=output)
     assert data["photoreceptor"].values.tolist() == ["melanopic"]
     assert "colour_temperature" not in data
+
+
+LAMP = """
+void light lamp 0 0 3 20 30 25
+lamp polygon panel 0 0 12 1 2 2.9 1 3 2.9 3 3 2.9 3 2 2.9
+"""
+LIT = """
+[[luminaire]]
+file = "lamp.rad"
+power = 100
+spectrum = "lamp.csv"
+
+[[lighting]]
+control = "none"
+grid = "desk"
+"""
+
+
+def illuminant(kelvin):
+    """Lines of the spectrum of a black body."""
+    nm = np.arange(380, 781, 5.0)
+    power = (nm / 560) ** -5 / np.expm1(1.4388e7 / (nm * kelvin))
+    return "".join(f"{w:g},{p:.6g}\n" for w, p in zip(nm, power, strict=True))
+
+
+@pytest.mark.parametrize("bands", ["melanopic+photopic", "20"])
+def test_electric_light_has_the_spectrum_of_its_lamps(study, tmp_path, bands):
+    """Illuminant A in a grey room: a melanopic efficacy ratio of 0.496 (CIE S 026).
+
+    Days with both lights are no fewer than those with daylight alone.
+    """
+    folder = tmp_path / "study"
+    (folder / "lamp.rad").write_text(LAMP)
+    (folder / "lamp.csv").write_text(illuminant(2856.0))
+    data = study(bands, spectrum=LIT)
+    lux, edi = data["electric_illuminance"], data["electric_melanopic_edi"]
+    assert lux.max() > 100
+    lit = lux.values > 1
+    ratio = edi.values[lit] / lux.values[lit]
+    np.testing.assert_allclose(ratio, 0.496, rtol=0.01)
+    for name in ("melanopic_days", "low_melanopic_days"):
+        assert (data[f"total_{name}"] >= data[name]).all()
+        assert f"total_{name}_error" in data
+    page = next(tmp_path.glob(f"{bands}-*"))
+    assert "with electric light" in (page / "metrics.csv").read_text()
+
+
+def test_lamps_without_spectrum_give_illuminance_only(study, tmp_path):
+    """White ones, whose light is the same in all bands."""
+    white = LAMP.replace("20 30 25", "25 25 25")
+    (tmp_path / "study" / "lamp.rad").write_text(white)
+    without = LIT.replace('spectrum = "lamp.csv"\n', "")
+    data = study("melanopic+photopic", spectrum=without)
+    assert data["electric_illuminance"].max() > 100
+    assert "electric_melanopic_edi" not in data
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("400,0\n700,0\n", "no visible light"), ("400,1\n700,-1\n", "0 or more")],
+)
+def test_lamps_without_light_are_errors(study, tmp_path, text, words):
+    folder = tmp_path / "study"
+    (folder / "lamp.rad").write_text(LAMP)
+    (folder / "lamp.csv").write_text(text)
+    with pytest.raises(InputError, match=words) as caught:
+        study("melanopic+photopic", spectrum=LIT)
+    assert "lamp.csv" in str(caught.value)
+
+
+CONTROLLED = """
+[[window.state]]
+name = "open"
+bsdf = "diffuser.xml"
+spectrum = "wood.txt"
+
+[[window.state]]
+name = "half"
+bsdf = "half.xml"
+spectrum = "wood.txt"
+
+[window.control]
+rule = "melanopic"
+grid = "eye"
+state = "half"
+target_lux = TARGET
+"""
+
+
+def test_the_rule_melanopic_acts_in_whole_studies(study, tmp_path):
+    """States and light are those that follow from a study of each state alone."""
+    write_bsdf(tmp_path / "study" / "half.xml", lambertian(0.25, klems("quarter")))
+    walls = of_material("grey")
+    fixed = [
+        study(
+            "melanopic+photopic",
+            spectrum=walls,
+            layer=f'bsdf = "{name}.xml"\nspectrum = "wood.txt"\n',
+            again=name,
+        )["melanopic_edi"].sel(sensor="eye.1")
+        for name in ("diffuser", "half")
+    ]
+    edi = np.stack([one.values for one in fixed])
+    target = float(np.quantile(edi[1][edi[1] > 0], 0.5))
+    layer = CONTROLLED.replace("TARGET", f"{target:.6f}")
+    data = study("melanopic+photopic", spectrum=walls, layer=layer)
+    times = data["time"].values
+    expected = bright_states(
+        edi, times, target=target, afterwards=np.ones(len(times), int)
+    )
+    assert set(expected) == {0, 1}
+    np.testing.assert_array_equal(data["state"].values[0], expected)
+    found = data["melanopic_edi"].sel(sensor="eye.1").values
+    np.testing.assert_allclose(found, edi[expected, np.arange(len(times))], rtol=1e-5)
+
+
+def test_the_spectrum_at_eyes_of_a_coloured_room(study):
+    """Walls of wood behind tinted glass under D65, and grey walls behind the same.
+
+    In the grey room the light is D65 times the transmittance, whose colour follows from
+    the means over the bands. Wood makes the light warmer. EDI and illuminance are those
+    of the other results of the same study.
+    """
+    common = {
+        "sky": 'daylight = {sky = "d65", sun = "d65"}',
+        "window": 'spectrum = "wood.txt"',
+        "output": SPECTRAL.replace("GRID", "eye"),
+    }
+    grey = study("20", **common)
+    wooden = study("20", spectrum=of_material("grey"), **common)
+    bands = band_set("20")
+    wood = Spectrum(*np.loadtxt(WOOD.splitlines()[1:]).T)
+    tinted = light_in_bands(spectral_function("d65"), bands) * band_means(wood, bands)
+    expected = colour_temperature(tristimulus(tinted, bands))
+    lit = grey["eye_illuminance"].values > 0
+    kelvin = grey["colour_temperature"].values[lit]
+    np.testing.assert_allclose(kelvin, expected.kelvin, rtol=2e-3)
+    np.testing.assert_allclose(grey["duv"].values[lit], expected.duv, atol=2e-4)
+    warmer = wooden["colour_temperature"].values[lit]
+    assert (warmer < kelvin - 100).all()
+    for data in (grey, wooden):
+        names = data["eye"].values
+        own = data["edi"].sel(photoreceptor="melanopic").values
+        other = data["melanopic_edi"].sel(sensor=names).values
+        np.testing.assert_allclose(own, other, rtol=1e-4, atol=1e-3)
+        lux = data["illuminance"].sel(sensor=names).values
+        np.testing.assert_allclose(data["eye_illuminance"], lux, rtol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Findings of the quality checks of BSDFs."""
 
+import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -8,6 +10,9 @@ import numpy as np
 from clerestory.hemisphere.partition import RingPartition
 
 Severity = Literal["info", "warning", "error"]
+
+# Numbers in the effect of a finding
+_NUMBER = re.compile(r"[0-9.]+")
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,20 @@ class Finding:
         return (
             f"{self.severity}: {self.name}: {self.what} ({self.where}); {self.effect}"
         )
+
+
+def explained_once(findings: Iterable[Finding]) -> Iterator[str]:
+    """Yield a line per finding; explanation and effect once for those of one kind.
+
+    The visible and the solar channel often have findings that differ in numbers only.
+    """
+    explained = set()
+    for finding in findings:
+        kind = finding.name, finding.severity, _NUMBER.sub("", finding.effect)
+        what = f"{finding.severity}: {finding.name}: {finding.what.split(': ')[0]}"
+        short, line = f"{what} ({finding.where}); as above", str(finding)
+        yield short if kind in explained and len(short) < len(line) else line
+        explained.add(kind)
 
 
 def severity_of(size: float, limits: tuple[float, float, float]) -> Severity | None:

@@ -147,6 +147,11 @@ def generate_bsdf(
     product = _product(system, geometry)
     request = TraceRequest(system, _BACKS[sides], colour, effort, symmetry)
     if basis in ("tree3", "tree4"):
+        require(
+            system.scene.bands == RGB,
+            f"tensor trees of a scene in {system.scene.bands}; a matrix basis, or a"
+            f" scene in {RGB}, expected",
+        )
         engine = devices.load(effort.device, "sample_area_tree")
         traced = trace_trees(request, engine, rank=int(basis[-1]), depth=halvings)
     else:

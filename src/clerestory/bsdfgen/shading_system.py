@@ -5,17 +5,20 @@ is at z ≤ 0.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Vector
+from clerestory.bands import Bands
 from clerestory.brief_repr import brief
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.channel_weights import VISIBLE, Weights
+from clerestory.bsdfgen.channel_weights import VISIBLE, Weights, default_weights
 from clerestory.checks import require
+from clerestory.scene.band_conversion import in_bands
 from clerestory.scene.model import Scene
+from clerestory.spectra import Spectrum
 
 # Distance between box faces and system, relative to the size of the system.
 _CLEARANCE = 1e-5
@@ -98,3 +101,26 @@ class System:
     product: Product = field(default_factory=Product)
 
     __repr__ = brief
+
+
+def system_in_bands(
+    system: System, bands: Bands, *, spectra: Mapping[str, Spectrum]
+) -> System:
+    """Return a system in other spectral bands, each a channel of its BSDF.
+
+    Parameters
+    ----------
+    spectra : spectra of materials by name; other materials must be grey
+
+    Raises
+    ------
+    InputError : the system has channels other than "visible", or cannot be converted
+        (`in_bands`)
+    """
+    require(
+        dict(system.bands) == dict(VISIBLE),
+        f"the system has the channels {', '.join(system.bands)}; only visible expected"
+        " for a BSDF in spectral bands",
+    )
+    scene = in_bands(system.scene, bands, spectra=spectra)
+    return replace(system, scene=scene, bands=default_weights(bands))

@@ -14,8 +14,9 @@ from clerestory.cli import bsdf_report
 from clerestory.cli.angle_pair import angle_pair
 from clerestory.cli.progress import say
 from clerestory.cli.requests import bsdf as requests
+from clerestory.constants import LIBRARY_PREFIX
 from clerestory.errors import InputError
-from clerestory.library.bsdf_source import PREFIX, bsdf_file, read_bsdf
+from clerestory.library.bsdf_source import bsdf_file, read_bsdf
 from clerestory.report.bsdf_plot import (
     direction_from_angles,
     lobe_figure,
@@ -75,7 +76,7 @@ def compare(request: requests.CompareBsdfs) -> None:
 
 def view(request: requests.ViewBsdf) -> None:
     """Write an interactive view of a BSDF."""
-    name = request.file.name.removeprefix(PREFIX)
+    name = request.file.name.removeprefix(LIBRARY_PREFIX)
     output = request.output or Path(name).with_suffix(".html")
     write_view(read_bsdf(request.file), output)
     say(f"{output}: {output.stat().st_size / 1e6:.1f} MB")

@@ -8,9 +8,15 @@ from clerestory.bsdfgen import system_catalogue
 from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.postprocessing import error_functions
-from clerestory.bsdfgen.shading_system import System, area_from_dimensions, area_of
+from clerestory.bsdfgen.shading_system import (
+    System,
+    area_from_dimensions,
+    area_of,
+    system_in_bands,
+)
 from clerestory.checks import require
 from clerestory.cli.bsdf_report import function_title
+from clerestory.cli.named_spectra import spectral_bands
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.bsdf import GenerateBsdf
 from clerestory.files import write_text
@@ -23,7 +29,7 @@ _DEFAULTS = "default"
 def generate(request: GenerateBsdf) -> None:
     """Trace a BSDF; write the BSDF file, its standard errors and the scene geometry."""
     begin = time.perf_counter()
-    system = _system(request)
+    system = _spectral(request, _system(request))
     if request.rad is not None:
         write_text(request.rad, format_rad(system.scene, bsdf_file={}))
     with progress_display(quiet=request.quiet) as display:
@@ -72,6 +78,16 @@ def _system(request: GenerateBsdf) -> System:
     if dimensions is None:
         return System(scene, area_of(scene, periodic=periodic))
     return System(scene, area_from_dimensions(dimensions, periodic=periodic))
+
+
+def _spectral(request: GenerateBsdf, system: System) -> System:
+    # The system in the spectral bands of the request, if any
+    chosen = spectral_bands(request.spectral, request.spectrum)
+    if chosen is None:
+        return system
+    require(not request.band, "--band with --spectral; one of them expected")
+    bands, spectra = chosen
+    return system_in_bands(system, bands, spectra=spectra)
 
 
 def _bands(texts: list[str] | None) -> dict[str, Weights] | None:

@@ -10,7 +10,7 @@ import numpy as np
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.layer_comparison import Comparison
 from clerestory.bsdf.other_readers import READERS
-from clerestory.bsdf.quality_finding import Finding, patch_label
+from clerestory.bsdf.quality_finding import Finding, explained_once, patch_label
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
@@ -45,7 +45,7 @@ def finding_lines(
     The last line says which other programs read the file.
     """
     shown = [f for f in findings if f.matters or all_of_them]
-    yield from (f"{file}: {finding}" for finding in shown)
+    yield from (f"{file}: {line}" for line in explained_once(shown))
     refused = {f.where: f.what for f in findings if f.name == "reader"}
     readers = [reader for reader in READERS if reader not in refused]
     answers = [f"read by {' and '.join(readers)}"] if readers else []

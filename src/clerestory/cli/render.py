@@ -10,6 +10,7 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.cli.effort import tracing
+from clerestory.cli.named_spectra import spectral_bands
 from clerestory.cli.progress import say
 from clerestory.cli.requests.common import SkyChoice
 from clerestory.cli.requests.render import Render
@@ -29,6 +30,7 @@ from clerestory.phases.rendering import render as render_picture
 from clerestory.radiance.generated_sky import sky_at, sky_scene
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import view_of
+from clerestory.scene.band_conversion import in_bands
 from clerestory.scene.model import Scene
 from clerestory.sky.weather_formats import read_weather
 
@@ -36,7 +38,7 @@ from clerestory.sky.weather_formats import read_weather
 def render(request: Render) -> None:
     """Render a picture, and optionally its standard errors."""
     begin = time.perf_counter()
-    room = read_rad(*request.scene) + sky_of(request.sky)
+    room = _spectral(request, read_rad(*request.scene) + sky_of(request.sky))
     view = view_of(request.view)
     camera = Camera(view, *view.size_for(request.resolution))
     with tracing(request.effort, quiet=request.quiet) as effort:
@@ -45,6 +47,12 @@ def render(request: Render) -> None:
             seconds = time.perf_counter() - begin
             line = f"{request.output}: {_summary(made)}, {seconds:.1f} s"
             say(line, quiet=request.quiet)
+
+
+def _spectral(request: Render, room: Scene) -> Scene:
+    # The scene in the spectral bands of the request, if any
+    chosen = spectral_bands(request.spectral, request.spectrum)
+    return room if chosen is None else in_bands(room, chosen[0], spectra=chosen[1])
 
 
 def _pictures(

@@ -7,6 +7,7 @@ import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
+from clerestory.cli.plan_text import plan_table, stage_table
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import study as requests
 from clerestory.cli.variants import run_all
@@ -22,7 +23,7 @@ from clerestory.study.compliance_table import assessments_of
 from clerestory.study.config import Study, read_study
 from clerestory.study.new_study import GLAZING, begin_study, write_demo
 from clerestory.study.results import Results, read_results
-from clerestory.study.run_plan import PlannedMatrix, StudyPlan, plan_study
+from clerestory.study.run_plan import plan_study
 from clerestory.study.study_run import run_study
 from clerestory.study.title_block import title_block_of
 from clerestory.study.variants import read_variants
@@ -53,6 +54,11 @@ def new(request: requests.NewStudy) -> None:
     rooms += f", {begun.windows} windows" if begun.windows > 1 else ""
     views = f", {begun.views} views" if begun.views else ""
     say(
+        *(
+            f'panes "{name}" have several faces: that towards the room is the window;'
+            f" {count} other {'faces' if count > 1 else 'face'} left out"
+            for name, count in begun.faces.items()
+        ),
         *(f'window "{n}" reversed: its front must face the room' for n in begun.turned),
         *([] if request.bsdf else [_SUGGESTED]),
         f"{begun.study}: {begun.sensors} sensors{rooms}{views}",
@@ -73,7 +79,7 @@ def run(request: requests.RunStudy) -> None:
     folder = request.out or request.study.with_name(f"{request.study.stem}_results")
     if request.plan:
         plan = plan_study(*(variant.study for variant in variants), out=folder)
-        Console().print(_plan_table(plan), _stage_table(plan))
+        Console().print(plan_table(plan), stage_table(plan))
     elif variants[0].name:
         run_all(variants, folder, quiet=request.quiet)
     else:
@@ -209,69 +215,3 @@ def _known(results: Results) -> Iterator[tuple[str, str]]:
 def _mean(part: xr.Dataset, name: str, factor: float, unit: str) -> str:
     error = error_of_group_mean(part[f"{name}_components"].values)
     return str(Figure(factor * float(part[name].mean()), factor * error, unit))
-
-
-def _plan_table(plan: StudyPlan) -> Table:
-    # Table of matrices and tracing costs; the caption gives total costs
-    where = (
-        f"{plan.workers} workers, {plan.device}" if plan.workers > 1 else plan.device
-    )
-    table = Table(title=f"Matrices, traced on {where}", title_justify="left")
-    table.add_column("matrix")
-    for heading in ("rows", "columns", "paths", "time", "disk"):
-        table.add_column(heading, justify="right")
-    for matrix in plan.matrices:
-        table.add_row(*_line(matrix))
-    if plan.later.paths:
-        paths, seconds = _count(plan.later.paths), _duration(plan.later.seconds)
-        table.add_row("direct sun in pictures", "", "", paths, seconds, "")
-    return table
-
-
-def _stage_table(plan: StudyPlan) -> Table:
-    # Table of the stages of the run; the caption gives total costs
-    table = Table(title="Stages of the run", title_justify="left")
-    for heading in ("stage", "work"):
-        table.add_column(heading)
-    for heading in ("time", "files", "disk"):
-        table.add_column(heading, justify="right")
-    for name, stage in plan.stages.items():
-        files = [f"{stage.files:,}", _size(stage.bytes)] if stage.files else ["", ""]
-        table.add_row(name, stage.work, _duration(stage.seconds), *files)
-    table.caption = (
-        f"about {_duration(plan.run_seconds)}, memory about {_size(plan.memory)},"
-        f" disk {_size(plan.disk)}"
-    )
-    table.caption_justify = "left"
-    return table
-
-
-def _line(matrix: PlannedMatrix) -> list[str]:
-    name, _, _ = matrix.file.rpartition("-")
-    shape = [f"{matrix.rows:,}", f"{matrix.columns:,}"]
-    if matrix.kept:
-        return [name, *shape, "", "kept", ""]
-    seconds = _duration(matrix.seconds) if matrix.seconds else "with it"
-    return [name, *shape, _count(matrix.paths), seconds, _size(matrix.bytes)]
-
-
-def _count(paths: int) -> str:
-    if paths < 1e6:
-        return f"{paths:,}"
-    return f"{paths * 1e-6:,.0f} million"
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 0.5:
-        return "< 1 s"
-    if seconds < 100:
-        return f"{round(seconds)} s"
-    if seconds < 6000:
-        return f"{seconds / 60:.0f} min"
-    return f"{seconds / 3600:.1f} h"
-
-
-def _size(count: float) -> str:
-    if count < 1e9:
-        return f"{max(1, round(count / 1e6))} MB"
-    return f"{count / 1e9:.1f} GB"

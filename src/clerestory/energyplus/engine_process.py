@@ -130,7 +130,8 @@ def simulate(folder: Path) -> str:
     exchange = _Exchange(api, job)
     exchange.ask(state)
     runtime = api.runtime
-    runtime.callback_begin_zone_timestep_after_init_heat_balance(state, exchange.begin)
+    # A construction that is set after this point takes effect one time step later
+    runtime.callback_begin_zone_timestep_before_init_heat_balance(state, exchange.begin)
     runtime.callback_end_zone_timestep_after_zone_reporting(state, exchange.end)
     runtime.callback_progress(state, _tell)
     runtime.set_console_output_status(state, print_output=False)

@@ -77,6 +77,12 @@ class LoweredScene:
         """Return whether the material of each shape has one of the names."""
         return on_device(mi.Bool, np.isin(self.material_of_shape, names))
 
+    def uniform(self, throughput):
+        """Return the throughput of a path before it is scattered, in its channels."""
+        if self.throughput is None:
+            return mi.Color3f(throughput)
+        return self.throughput.uniform(throughput)
+
 
 def lower(
     scene: Scene, *, origin: Origin, receivers: tuple[Window, ...] = ()

@@ -197,6 +197,7 @@ class SlabJob(MatrixJob):
 
     tracer: ClassVar[tuple[str, str]] = ("sample_area_matrix", "prepare_slab")
     scalable: ClassVar[bool] = False  # `lower_slab` scales scene and box
+    spectral_paths: ClassVar[bool] = True
     together: ClassVar[bool] = True
 
     box: Float[np.ndarray, "2 3"]

@@ -2,7 +2,8 @@
 
     C_ds S_sun:  Σ weight × radiance (cell, step) × transmittance (zone, step)
 
-The sum is over the contributions of each receiver. Four time steps share one lane.
+The sum is over the contributions of each receiver. Eight time steps share one lane, as
+two vectors of four.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,8 +17,9 @@ from clerestory.engine.upload import launching, on_device
 from clerestory.engine.window_path_jobs import Records
 from clerestory.scene.window_zones import STRAIGHT
 
-# Number of time steps per lane
-_TOGETHER = 4
+# Number of vectors of four time steps in a lane, and of time steps
+_VECTORS = 2
+_TOGETHER = 4 * _VECTORS
 
 # Number of bits of the cell in a code; the others are those of the zone
 _CELL_BITS = 20
@@ -68,20 +70,24 @@ class PathProduct:
         The sums are those of each batch, receiver and step.
 
         `radiance` has the cells for reflected light, then those for light that is seen
-        directly. `share` weights the channels of the paths. The number of steps is a
-        multiple of four; the result is on the compute device.
+        directly. `share` weights the channels of the paths. The number of steps is that
+        of `padded`; the result is on the compute device.
         """
         key = share.tobytes()
         if key not in self._shares:
             self._shares[key] = on_device(mi.Float, share.astype("f4") @ self._weights)
         steps = radiance.shape[1] // _TOGETHER
+        same = bool((transmittance == transmittance[:1]).all())
+        if same:
+            radiance = radiance * transmittance[0]
         with launching():
-            found = _sums(
+            result = dr.empty(mi.Float, self.rows * radiance.shape[1])
+            light = on_device(mi.Float, radiance)
+            passed = None if same else on_device(mi.Float, transmittance)
+            _sum(
                 self.rows * steps, dr.opaque(mi.UInt32, steps), self._starts,
-                self._codes, self._shares[key], on_device(mi.Float, radiance),
-                on_device(mi.Float, transmittance),
+                self._codes, self._shares[key], light, passed, result,
             )  # fmt: skip
-            result = dr.ravel(found)
             dr.eval(result)
         return result
 
@@ -92,21 +98,42 @@ def padded(steps: int) -> int:
 
 
 @dr.syntax
-def _sums(lanes, steps, starts, codes, weights, radiance, transmittance):
+def _sum(lanes, steps, starts, codes, weights, radiance, transmittance, result):
     lane = dr.arange(mi.UInt32, lanes)
     row, step = lane // steps, lane % steps
     index = dr.gather(mi.UInt32, starts, row)
     end = dr.gather(mi.UInt32, starts, row + 1)
-    total = mi.Vector4f(0)
+    total = _vectors()
     while index < end:
         code = dr.gather(mi.UInt32, codes, index)
         weight = dr.gather(mi.Float, weights, index)
         cell = (code & ((1 << _CELL_BITS) - 1)) * steps + step
         zone = (code >> _CELL_BITS) * steps + step
-        light = dr.gather(mi.Vector4f, radiance, cell)
-        total += weight * light * dr.gather(mi.Vector4f, transmittance, zone)
+        total = _increased(total, weight, radiance, cell, transmittance, zone)
         index += 1
-    return total
+    _store(total, result, lane)
+
+
+def _vectors() -> list[mi.Vector4f]:
+    return [mi.Vector4f(0) for _ in range(_VECTORS)]
+
+
+def _increased(total, weight, radiance, cell, transmittance, zone):
+    # Sums, increased by a contribution; without transmittance, it is in the radiance
+    found = []
+    for number, before in enumerate(total):
+        light = dr.gather(mi.Vector4f, radiance, cell * _VECTORS + number)
+        if transmittance is not None:
+            place = zone * _VECTORS + number
+            light *= dr.gather(mi.Vector4f, transmittance, place)
+        found.append(before + weight * light)
+    return found
+
+
+def _store(total, result, lane) -> None:
+    for number, value in enumerate(total):
+        place = lane * _VECTORS + number
+        dr.scatter(result, value, place, mode=dr.ReduceMode.Permute)
 
 
 def _of_window(

@@ -92,7 +92,7 @@ class PathTracer:
         pdf, sunlit = mi.Float(pdf), mi.Float(sunlit)
         memory = {each.name: each.begin(pdf, sunlit, ray.o) for each in self.sources}
         return Path(
-            mi.Ray3f(ray), self._uniform(throughput), mi.Point3f(ray.o), pdf,
+            mi.Ray3f(ray), self.model.uniform(throughput), mi.Point3f(ray.o), pdf,
             mi.Bool(camera), {name: each for name, each in memory.items() if each},
             self.derivatives and self.derivatives.begin(),
         )  # fmt: skip
@@ -113,7 +113,7 @@ class PathTracer:
         vertex = sensor_vertex(self.portals, position, normal, caustics)
         if self.model.throughput is not None:
             vertex = replace(vertex, in_bands=self.model.throughput.uniform)
-        one = self._uniform(1)
+        one = self.model.uniform(1)
         total = self.sample_sources(sink, sink.begin(), vertex, numbers, one)
         direction, weight, pdf = continue_from_sensor(
             self.portals, vertex, normal, numbers
@@ -147,11 +147,6 @@ class PathTracer:
                     )
                     sink.differentiate(sample.column, value, scores, lit)
         return total
-
-    def _uniform(self, throughput) -> Bandwise:
-        # Throughput of a path before it is scattered
-        bands = self.model.throughput
-        return mi.Color3f(throughput) if bands is None else bands.uniform(throughput)
 
     @dr.syntax
     def trace(

@@ -6,6 +6,10 @@ leave the slab between both planes. Paths of large weight are split at each vert
 weight of each branch that leaves the slab is recorded; one of the branches that stay in
 the slab continues with the total weight of these branches.
 
+Paths carry the throughput of three channels, or of all bands of a scene whose bands
+share paths (`channels`): the branches are the same in all bands, and are split and
+selected by the largest throughput.
+
 The lateral sides of the slab are open (light that leaves through a side is lost) or
 periodic (a path that leaves through one side enters through the opposite side).
 """
@@ -139,12 +143,13 @@ def follow(
     largest number of diffuse scattering events of a path.
     """
     context, segments = mi.BSDFContext(), dr.opaque(mi.UInt32, limit)
+    model = slab.model
 
     # ------------------------------- Loop state -------------------------------
     step = _step(slab, ray, mi.Bool(True))  # intersection of the current ray
-    receiver.receive(ray.d, mi.Color3f(1), step.left)
+    weight = model.uniform(1)  # throughput of the path
+    receiver.receive(ray.d, weight, step.left)
     active = ~step.left  # paths within the slab
-    weight = mi.Color3f(1)  # throughput of the path
     segment = mi.UInt32(1)  # 1 + number of diffuse scattering events
     vertex = mi.UInt32(1)  # number of vertices, including the start
     travelled = mi.Float(0)  # distance from the last vertex to the last cell side [m]
@@ -154,7 +159,7 @@ def follow(
         met = active & step.hit.is_valid()
         si = interaction(step.hit, ray, met)
         si.t = si.t + travelled
-        bsdf = si.bsdf()
+        bsdf, in_bands = si.bsdf(), _in_bands(model, si, met)
         numbers = first.at(vertex)
         lobe = numbers.sobol(LOBE)
         u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
@@ -164,7 +169,7 @@ def follow(
 
         # Split the path, and select one of the branches that stay in the slab
         before, grown_to, total = mi.Ray3f(ray), mi.UInt32(segment), mi.Float(0)
-        next_step, kept = step, mi.Color3f(0)
+        next_step, kept = step, model.uniform(0)
         for number in range(BRANCHES):
             place = mi.Point2f(_turn(u, number / BRANCHES), _turn(v, number * 0.618034))
             branching = active & (number < count)
@@ -172,11 +177,11 @@ def follow(
                 context, si, _turn(lobe, number / BRANCHES), place, branching & met
             )
             direction = si.to_world(sample.wo)
-            branch = mi.Ray3f(offset(slab.model, si, direction, met), direction)
+            branch = mi.Ray3f(offset(model, si, direction, met), direction)
             if dr.hint(number == 0, mode="scalar"):
                 branch.o = dr.select(met, branch.o, step.origin)
                 branch.d = dr.select(met, branch.d, before.d)
-            share = weight * dr.select(met, factor, 1) / count
+            share = weight * in_bands(dr.select(met, factor, 1)) / count
             diffuse = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Diffuse)
             grown = segment + dr.select(met & diffuse, mi.UInt32(1), mi.UInt32(0))
             branching &= (dr.max(share) > 0) & (grown <= segments)
@@ -206,6 +211,13 @@ def follow(
         weight = kept * total / dr.maximum(survive, 1e-30)
         vertex += 1
         active &= vertex < _MOST_STEPS
+
+
+def _in_bands(model: LoweredScene, si: mi.SurfaceInteraction3f, active: mi.Bool):
+    # Function from the channels of a BSDF to those of the paths
+    if model.throughput is None:
+        return lambda value: value
+    return model.throughput.at(dr.reinterpret_array(mi.UInt32, si.shape), active)
 
 
 def _turn(u, shift: float):

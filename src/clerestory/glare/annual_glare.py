@@ -7,7 +7,8 @@ the view alone, such as solid angles and position indices, are computed once.
 import importlib
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,15 +18,15 @@ from clerestory.array_types import EachImage
 from clerestory.checks import require, same_length
 from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules
-from clerestory.glare.evaluate import evaluate_luminance
-from clerestory.glare.glare_view import glare_view
+from clerestory.glare.glare_view import GlareView, glare_view
 from clerestory.glare.index_settings import (
     EVALGLARE,
     Background,
     DgpCoefficients,
     IndexSettings,
 )
-from clerestory.glare.indices import REPORTED, Glare
+from clerestory.glare.indices import REPORTED
+from clerestory.glare.luminance_evaluation import PictureGlare, evaluate_together
 from clerestory.glare.sources import SourceSearch, warn_if_coarse
 from clerestory.glare.uncertainty import UncertainLuminance
 from clerestory.glare.undersampled_sources import UndersampledSources
@@ -33,6 +34,9 @@ from clerestory.scene.view import View
 
 if TYPE_CHECKING:
     import xarray as xr
+
+# Most pictures that are evaluated together, and most pixels of them
+_TOGETHER, _PIXELS = 16, 1 << 22
 
 _UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
 _UNITS |= {f"{name}_error": unit for name, unit in _UNITS.items()}
@@ -87,40 +91,22 @@ def annual_glare(
     >>> annual_glare(year, eye).dgp.values.round(2).tolist()
     [0.18, 0.47, 0.18]
     """
-    rules = rules or SourceRules()
     settings = IndexSettings(background, None, low_light, None, coefficients)
-    results = []
+    evaluated = _Evaluation(view, rules or SourceRules())
+    results: list[Mapping[str, float]] = []
     undersampled: dict[str, UndersampledSources] = {}
-    searches: dict[tuple[int, ...], SourceSearch] = {}
-
-    def evaluated(
-        pixels: EachImage | UncertainLuminance, shape: tuple[int, ...]
-    ) -> tuple[Glare, UndersampledSources | None]:
-        if shape not in searches:
-            searches[shape] = SourceSearch(glare_view(view, shape[1], shape[0]), rules)
-        given = replace(settings, given_illuminance=_at(illuminance, step))
-        return evaluate_luminance(pixels, searches[shape], given)[1:]
-
-    for step, picture in enumerate(_checked(luminance)):
-        values = picture.value if isinstance(picture, UncertainLuminance) else picture
-        if step == 0 and check_pixels:
-            eye = glare_view(view, values.shape[1], values.shape[0])
-            warn_if_coarse(eye, rules, name=name)
-        errors = {}
-        if isinstance(picture, UncertainLuminance):
-            blocks = picture.of_blocks()
-            result, poor = evaluated(blocks, blocks.value.shape)
-            errors = {f"{key}_error": error for key, error in result.errors.items()}
-            if blocks is not picture:
-                result, _ = evaluated(values, values.shape)
-        else:
-            result, poor = evaluated(values, values.shape)
-        results.append(result.values() | errors)
-        if poor is not None:
-            moment = f"picture {step}" if times is None else str(times[step])[:16]
-            undersampled[moment] = poor
+    for pictures in _batches(_checked(luminance)):
+        if not results and check_pixels:
+            warn_if_coarse(evaluated.eye(pictures[0]), evaluated.rules, name=name)
+        steps = range(len(results), len(results) + len(pictures))
+        own = [replace(settings, given_illuminance=_at(illuminance, n)) for n in steps]
+        for step, (values, poor) in zip(steps, evaluated(pictures, own), strict=True):
+            results.append(values)
+            if poor is not None:
+                moment = f"picture {step}" if times is None else str(times[step])[:16]
+                undersampled[moment] = poor
         if progress is not None:
-            progress(step + 1)
+            progress(len(results))
     if undersampled:
         moment, worst = max(undersampled.items(), key=lambda item: item[1].share)
         warnings.warn(f"{name}, {moment}: {worst.words()}", ClerestoryWarning, 2)
@@ -128,7 +114,71 @@ def annual_glare(
         if given is not None:
             same_length(given, results, what, "pictures")
     require(results, "no pictures; at least one expected")
-    return glare_dataset([results], times).squeeze("view", drop=True)
+    series = {key: np.array([each[key] for each in results]) for key in results[0]}
+    dataset = glare_dataset(
+        [series], np.arange(len(results)) if times is None else times
+    )
+    return dataset.squeeze("view", drop=True)
+
+
+@dataclass(frozen=True, eq=False)
+class _Evaluation:
+    # Evaluation of pictures of one view, and of their blocks of pixels
+    view: View
+    rules: SourceRules
+    _searches: dict[tuple[int, ...], SourceSearch] = field(default_factory=dict)
+
+    def eye(self, picture: EachImage | UncertainLuminance) -> GlareView:
+        """Return the pixel quantities of a picture."""
+        rows, columns = _value(picture).shape
+        return glare_view(self.view, columns, rows)
+
+    def __call__(
+        self,
+        pictures: Sequence[EachImage | UncertainLuminance],
+        settings: Sequence[IndexSettings],
+    ) -> Iterator[tuple[Mapping[str, float], UndersampledSources | None]]:
+        """Yield values and standard errors by name, and undersampled sources."""
+        errors = self._glare(
+            [
+                picture.of_blocks()
+                if isinstance(picture, UncertainLuminance)
+                else picture
+                for picture in pictures
+            ],
+            settings,
+        )
+        found = errors
+        if any(
+            isinstance(picture, UncertainLuminance) and picture.blocks is not None
+            for picture in pictures
+        ):
+            found = self._glare([_value(picture) for picture in pictures], settings)
+        for own, other in zip(found, errors, strict=True):
+            named = {f"{name}_error": error for name, error in other.errors.items()}
+            yield {**own.values, **named}, other.poor
+
+    def _glare(
+        self,
+        pictures: Sequence[EachImage | UncertainLuminance],
+        settings: Sequence[IndexSettings],
+    ) -> list[PictureGlare]:
+        eye = self.eye(pictures[0])
+        search = self._searches.setdefault(eye.shape, SourceSearch(eye, self.rules))
+        return evaluate_together(pictures, search, settings)
+
+
+def _value(picture: EachImage | UncertainLuminance) -> EachImage:
+    return picture.value if isinstance(picture, UncertainLuminance) else picture
+
+
+def _batches(
+    pictures: Iterator[EachImage | UncertainLuminance],
+) -> Iterator[list[EachImage | UncertainLuminance]]:
+    # Pictures that are evaluated together
+    for first in pictures:
+        most = max(1, min(_TOGETHER, _PIXELS // _value(first).size))
+        yield [first, *islice(pictures, most - 1)]
 
 
 def _checked(
@@ -137,7 +187,7 @@ def _checked(
     # Check each picture
     first = None
     for step, given in enumerate(luminance):
-        picture = given.value if isinstance(given, UncertainLuminance) else given
+        picture = _value(given)
         first = first or picture.shape
         require(
             picture.shape == first,
@@ -163,30 +213,21 @@ def _at(illuminance: np.ndarray | None, step: int) -> float | None:
 
 
 def glare_dataset(
-    results: Sequence[Sequence[Mapping[str, float]]], times: np.ndarray | None
+    results: Sequence[Mapping[str, Float[np.ndarray, " step"]]], times: np.ndarray
 ) -> "xr.Dataset":
-    """Return glare indices by name, of each step of each view, as a dataset.
+    """Return the glare indices of views, by name, as a dataset.
 
-    Without steps, all indices are empty.
+    `times` may be numbers of steps.
     """
-    steps = len(results[0])
-    known = set().union(*(step for one in results for step in one))
-    values = {
-        name: np.array([[step.get(name, np.nan) for step in one] for one in results])
-        for name in (known if steps else _UNITS)
-    }
-    return labelled_glare(values, np.arange(steps) if times is None else times)
-
-
-def labelled_glare(
-    values: Mapping[str, Float[np.ndarray, "view step"]], times: np.ndarray
-) -> "xr.Dataset":
-    """Return glare indices by name as a dataset; `times` may be numbers of steps."""
     axis = "time" if times.dtype.kind == "M" else "step"
     variables = {
-        name: (("view", axis), values[name], {"units": unit})
+        name: (
+            ("view", axis),
+            np.array([one[name] for one in results]),
+            {"units": unit},
+        )
         for name, unit in _UNITS.items()
-        if name in values
+        if name in results[0]
     }
     # Imported here, since xarray loads slowly
     dataset: type[xr.Dataset] = importlib.import_module("xarray").Dataset

@@ -1,12 +1,15 @@
 """CIE glare index (CGI) of Einhorn."""
 
-import math
+import numpy as np
 
-from clerestory.glare.index import GlareIndex, without_logarithm
+from clerestory.array_types import Series, Values
+from clerestory.glare.index import GlareIndex, adaptation, by_sources
 from clerestory.glare.source_table import GlareSources
 
 
-def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
+def cgi(
+    sources: GlareSources, *, illuminance: Values | float, direct: Values | float
+) -> Series:
     """CIE glare index; 0 without sources.
 
     Illuminances are vertical, at the eye [lux]; `direct` is that from the sources
@@ -16,14 +19,13 @@ def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
     Lighting Research and Technology 11(2).
 
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
-    >>> round(cgi(lamp, illuminance=190.0, direct=52.0), 2)
-    21.75
+    >>> cgi(lamp, illuminance=190.0, direct=52.0).round(2).tolist()
+    [21.75]
     """
-    special = without_logarithm(sources, illuminance)
-    if special is not None:
-        return special
-    scale = 2 * (1 + direct / 500) / illuminance
-    return 8 * math.log10(scale * float(sources.weight().sum()))
+    scale = 2 * (1 + np.asarray(direct) / 500) / adaptation(illuminance)
+    return by_sources(
+        sources, sources.weight(), lambda total: 8 * np.log10(scale * total)
+    )
 
 
 CGI = GlareIndex(

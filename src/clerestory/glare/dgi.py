@@ -5,16 +5,17 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.glare.index import GlareIndex
+from clerestory.array_types import Series, Values
+from clerestory.glare.index import GlareIndex, adaptation, by_sources
 from clerestory.glare.source_table import GlareSources
 
 
 def dgi(
     sources: GlareSources,
     *,
-    background: float,
+    background: Values | float,
     weighted: Float[np.ndarray, " source"] | None = None,
-) -> float:
+) -> Series:
     """Daylight glare index: 16 just perceptible, 24 just uncomfortable, 28 intolerable.
 
     The index is 0 without sources. The background luminance is in cd/m²; `weighted` is
@@ -25,19 +26,19 @@ def dgi(
     the problem. Lighting Research and Technology 14(1).
 
     >>> window = GlareSources.of(luminance=[5e3], solid_angle=[0.5], position_index=[2])
-    >>> round(dgi(window, background=300.0), 1)
-    21.4
+    >>> dgi(window, background=300.0).round(1).tolist()
+    [21.4]
     """
-    if not sources.count:
-        return 0.0
     omega = sources.guth_solid_angle() if weighted is None else weighted
-    below = background + 0.07 * sources.solid_angle**0.5 * sources.luminance
+    below = sources.at_source(background)
+    below += 0.07 * sources.solid_angle**0.5 * sources.luminance
     terms = sources.luminance**1.6 * omega**0.8 / below
-    total = 0.478 * float(terms.sum())
-    return 10 * math.log10(total) if total > 0 else math.nan
+    return by_sources(
+        sources, terms, lambda total: 10 * np.log10(0.478 * adaptation(total))
+    )
 
 
-def modified_dgi(sources: GlareSources, *, average: float) -> float:
+def modified_dgi(sources: GlareSources, *, average: Values | float) -> Series:
     """DGI with an adaptation luminance in place of the background luminance.
 
     The adaptation luminance is a power of `average`, the mean luminance Ev/π [cd/m²].
@@ -46,10 +47,12 @@ def modified_dgi(sources: GlareSources, *, average: float) -> float:
     Lighting Research and Technology 35(4), equation 11.
 
     >>> window = GlareSources.of(luminance=[5e3], solid_angle=[0.5], position_index=[2])
-    >>> round(modified_dgi(window, average=800.0), 1)
-    21.4
+    >>> modified_dgi(window, average=800.0).round(1).tolist()
+    [21.4]
     """
-    return dgi(sources, background=average**0.85 if average > 0 else average)
+    level = np.asarray(average, dtype=float)
+    adapted = np.where(level > 0, np.maximum(level, 0) ** 0.85, level)
+    return dgi(sources, background=adapted)
 
 
 DGI = GlareIndex(

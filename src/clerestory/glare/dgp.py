@@ -1,10 +1,9 @@
 """Daylight glare probability (DGP), corrections of DGP, and simplified DGP (DGPs)."""
 
 import numpy as np
-from jaxtyping import Float, Int
 
-from clerestory.array_types import Values
-from clerestory.glare.index import GlareIndex
+from clerestory.array_types import Series, Values
+from clerestory.glare.index import EyePhotometry, GlareIndex
 from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.source_table import GlareSources
 
@@ -15,9 +14,9 @@ _BRIGHT = 1000.0
 def dgp(
     sources: GlareSources,
     *,
-    illuminance: float,
+    illuminance: Values | float,
     coefficients: DgpCoefficients = EVALGLARE,
-) -> float:
+) -> Series:
     """Daylight glare probability: probability that a person is disturbed, at most 1.
 
     Valid for vertical illuminances above 380 lux and DGP above 0.2. With sources from a
@@ -29,31 +28,16 @@ def dgp(
     of CCD cameras. Energy and Buildings 38(7), equation 4.
 
     >>> sun = GlareSources.of(luminance=[1e6], solid_angle=[6.8e-5], position_index=[3])
-    >>> round(dgp(sun, illuminance=3000.0), 3)
-    0.384
+    >>> dgp(sun, illuminance=3000.0).round(3).tolist()
+    [0.384]
     """
-    step, level = np.zeros(sources.count, np.int64), np.array([float(illuminance)])
-    return float(dgp_over_time(sources, step, level, coefficients)[0])
-
-
-def dgp_over_time(
-    sources: GlareSources,
-    step: Int[np.ndarray, " source"],
-    illuminance: Float[np.ndarray, " step"],
-    coefficients: DgpCoefficients = EVALGLARE,
-) -> Float[np.ndarray, " step"]:
-    """Return DGP of many time steps; `step` is the index of the step of each source.
-
-    >>> sun = GlareSources.of(luminance=[1e6], solid_angle=[6.8e-5], position_index=[3])
-    >>> dgp_over_time(sun, np.array([1]), np.full(2, 3000.0)).round(3).tolist()
-    [0.335, 0.384]
-    """
-    k, level = coefficients, np.where(illuminance > 0, illuminance, 1.0)
+    k, level = coefficients, np.asarray(illuminance, dtype=float)
+    lit, level = level > 0, np.where(level > 0, level, 1.0)
     weight = sources.luminance**k.a1 / sources.position_index**k.a4
-    total = np.bincount(step, weight * sources.solid_angle**k.a2, len(level))
+    total = sources.totals(weight * sources.solid_angle**k.a2)
     glare = k.c2 * np.log10(1 + total / level**k.a3)
     value = k.c1 * level**k.a5 + k.c3 + glare
-    return np.asarray(np.minimum(np.where(illuminance > 0, value, k.c3), 1.0))
+    return np.asarray(np.minimum(np.where(lit, value, k.c3), 1.0))
 
 
 def simplified_dgp(illuminance: Values) -> Values:
@@ -69,6 +53,17 @@ def simplified_dgp(illuminance: Values) -> Values:
     """
     plain = 6.22e-5 * np.asarray(illuminance, dtype=float) + 0.184
     return np.asarray(np.minimum(plain, 1.0))
+
+
+def corrected_dgp(eye: EyePhotometry) -> Series:
+    """Return DGP with the corrections for low light and age of the settings."""
+    level, settings = eye.eye_illuminance, eye.settings
+    value = dgp(eye.sources, illuminance=level, coefficients=settings.coefficients)
+    if settings.low_light:
+        value = value * low_light_correction(level)
+    if settings.age is not None:
+        value = value * age_correction(settings.age)
+    return np.asarray(np.minimum(value, 1.0))
 
 
 def low_light_correction(illuminance: Values) -> Values:
@@ -100,12 +95,12 @@ def age_correction(age: float) -> float:
 
 DGP = GlareIndex(
     name="dgp",
-    formula=lambda eye: dgp(eye.sources, illuminance=eye.eye_illuminance),
+    formula=corrected_dgp,
     thresholds=(0.35, 0.40, 0.45),  # Wienold 2009
     column="dgp",
 )
 SIMPLIFIED_DGP = GlareIndex(
     name="simplified_dgp",
-    formula=lambda eye: float(simplified_dgp(np.array(eye.eye_illuminance))),
+    formula=lambda eye: simplified_dgp(eye.eye_illuminance),
     thresholds=DGP.thresholds,
 )

@@ -17,9 +17,9 @@ from clerestory.checks import require, within
 from clerestory.engine.pixel_goals import PixelEstimates, PixelGoal
 from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.dgp_error import dgp_slopes
-from clerestory.glare.evaluate import evaluate_luminance
 from clerestory.glare.glare_view import glare_view
 from clerestory.glare.index_settings import IndexSettings
+from clerestory.glare.luminance_evaluation import evaluate_luminance
 from clerestory.glare.sources import SourceSearch
 from clerestory.glare.uncertainty import UncertainLuminance
 from clerestory.scene.view import View

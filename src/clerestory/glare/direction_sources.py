@@ -1,6 +1,7 @@
 """Glare sources among directions with solid angles, at each of many time steps."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple, TypedDict, Unpack
 
 import numpy as np
@@ -35,7 +36,7 @@ class _Parts(NamedTuple):
 
 
 class SourceOptions(TypedDict):
-    """Options of the search for glare sources; see `direction_source_blocks`."""
+    """Options of the search for glare sources; see `direction_sources`."""
 
     sun: SunDisc
     threshold: Float[np.ndarray, " step"]
@@ -43,32 +44,23 @@ class SourceOptions(TypedDict):
     model: PositionModel
 
 
-class SourceBlock(NamedTuple):
-    """Glare sources of a block of time steps.
-
-    `step` is the index of the step of each source in the block, of `steps` steps.
-    """
-
-    table: GlareSources
-    step: Int[np.ndarray, " source"]
-    steps: int
-
-
 def direction_sources(
     samples: SphereSamples,
     luminance: Float[np.ndarray, "direction step"],
     view: View,
     **options: Unpack[SourceOptions],
-) -> Iterator[GlareSources]:
-    """Yield the glare sources of each time step; see `direction_source_blocks`."""
-    for found in direction_source_blocks(samples, luminance, view, **options):
-        table, empty = found.table, found.table.select(_NONE)
-        ends = np.cumsum(np.bincount(found.step, minlength=found.steps))
-        for one in np.split(np.argsort(found.step, kind="stable"), ends[:-1]):
-            yield table.select(one) if one.size else empty
+) -> GlareSources:
+    """Return the glare sources of all time steps.
+
+    Of the options, `threshold` is the luminance above which directions are bright
+    [cd/m²].
+    """
+    nothing = GlareSources.of(luminance=[], solid_angle=[], position_index=[])
+    blocks = _blocks(samples, luminance, view, **options)
+    return GlareSources.joined([replace(nothing, steps=0), *blocks])
 
 
-def direction_source_blocks(
+def _blocks(
     samples: SphereSamples,
     luminance: Float[np.ndarray, "direction step"],
     view: View,
@@ -77,11 +69,8 @@ def direction_source_blocks(
     threshold: Float[np.ndarray, " step"],
     rules: SourceRules,
     model: PositionModel,
-) -> Iterator[SourceBlock]:
-    """Yield the glare sources of all time steps, block by block.
-
-    `threshold` is the luminance above which directions are bright [cd/m²].
-    """
+) -> Iterator[GlareSources]:
+    # Sources of all time steps, block by block
     field, peak = rules.field_of_view, rules.peak_luminance or np.inf
     eye = seen_by(view, samples.direction, model=model, field=field)
     disc = seen_by(view, sun.direction, model=model, field=field)
@@ -129,7 +118,7 @@ def _moments(flux: Values, eye: EyeDirections) -> Float[np.ndarray, "3 direction
 
 def _block(
     found: Sequence[_Parts], steps: int, view: View, model: PositionModel
-) -> SourceBlock:
+) -> GlareSources:
     # Sources of all steps of a block
     source, step, sums = (
         np.concatenate(one, axis=-1) for one in zip(*found, strict=True)
@@ -149,7 +138,7 @@ def _block(
     centre = seen_by(view, direction, model=model)
     right, up = place.T / np.pi
     none = np.zeros(omega.size)
-    table = GlareSources(
+    return GlareSources(
         luminance=power / omega,
         solid_angle=omega,
         position_index=centre.position_index,
@@ -161,5 +150,6 @@ def _block(
         column=0.5 + right,
         zone=none.astype(np.int64),
         luminance_error=none,
+        step=of,
+        steps=steps,
     )
-    return SourceBlock(table, of, steps)

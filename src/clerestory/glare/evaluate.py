@@ -2,10 +2,9 @@
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, field
 
-from clerestory.array_types import Image, Pictures
+from clerestory.array_types import Image
 from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError
@@ -19,6 +18,7 @@ from clerestory.glare.index_settings import (
     IndexSettings,
 )
 from clerestory.glare.indices import Glare
+from clerestory.glare.luminance_evaluation import evaluate_luminance
 from clerestory.glare.luminance_statistics import RegionStatistics
 from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
 from clerestory.glare.picture_checks import check_photometry
@@ -27,21 +27,13 @@ from clerestory.glare.sources import (
     Members,
     SourceSearch,
     in_zone,
-    reference_luminance,
-    tables,
     warn_if_coarse,
 )
 from clerestory.glare.uncertainty import (
     UncertainLuminance,
-    index_errors,
     luminance_error,
 )
-from clerestory.glare.undersampled_sources import (
-    UndersampledSources,
-    undersampled_sources,
-    without_undersampled,
-)
-from clerestory.glare.zones import Zones, cut_along
+from clerestory.glare.zones import Zones
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
@@ -185,34 +177,6 @@ def evaluate_picture(
     return Evaluation(picture, rules, images[0], eye, members, result)
 
 
-def evaluate_luminance(
-    luminance: Image | UncertainLuminance,
-    search: SourceSearch,
-    settings: IndexSettings,
-    *,
-    zones: Zones | None = None,
-) -> tuple[Members, Glare, UndersampledSources | None]:
-    """Return source pixels, glare indices with standard errors, and poor sources."""
-    given = partial(summarise, search=search, settings=settings, zones=zones)
-    if not isinstance(luminance, UncertainLuminance):
-        members, [result] = given(luminance[None])
-        return members, result, None
-    members, [result] = given(luminance.value[None], error=luminance.error)
-    errors = index_errors(
-        luminance, lambda drawn: [each.values() for each in given(drawn)[1]]
-    )
-    reduced = without_undersampled(luminance, search.eye, members)
-    if reduced is None:
-        return members, replace(result, errors=errors), None
-    # The error covers the value without undersampled sources
-    _, [without] = given(reduced[None])
-    others = without.values()
-    for name, value in result.values().items():
-        errors[name] = max(errors[name], abs(value - others[name]))
-    result = replace(result, errors=errors)
-    return members, result, undersampled_sources(result, without, search.eye.view)
-
-
 def eye_of(
     picture: Picture,
     *,
@@ -247,47 +211,3 @@ def fill_cut(luminance: Image, eye: GlareView, seen: SeenRows) -> Image:
     filled[: seen.first] = luminance[seen.first] * eye.valid[seen.first]
     filled[seen.last + 1 :] = luminance[seen.last]
     return filled
-
-
-def summarise(
-    pictures: Pictures,
-    search: SourceSearch,
-    settings: IndexSettings,
-    *,
-    zones: Zones | None = None,
-    error: Image | None = None,
-) -> tuple[Members, list[Glare]]:
-    """Return the pixels of glare sources, and the glare indices of each picture.
-
-    `error` is the independent standard error of each pixel [cd/m²].
-    """
-    eye, task, zone_of = search.eye, search.rules.task, None
-    members, own = search.members(pictures)
-    divided = members
-    if zones is not None:
-        divided, zone_of = cut_along(members, zones.of_pixels(eye))
-    found = tables(divided, own, pictures, eye, zone=zone_of, error=error)
-    average = (eye.flux(pictures) / eye.total_solid_angle).tolist()
-    reference = average
-    if task:
-        reference = [reference_luminance(each, eye, task) for each in pictures]
-    parts = zip(
-        found,
-        eye.illuminance(pictures).tolist(),
-        average,
-        reference,
-        (pictures * eye.valid).max(axis=(1, 2)).tolist(),
-        strict=True,
-    )
-    return members, [
-        Glare(
-            sources=sources.larger_than(search.rules.smallest),
-            illuminance=level,
-            average=mean,
-            reference=other,
-            brightest=highest,
-            solid_angle=eye.total_solid_angle,
-            settings=settings,
-        )
-        for sources, level, mean, other, highest in parts
-    ]

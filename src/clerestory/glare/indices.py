@@ -5,21 +5,15 @@ To add an index, write a module with the formula and add a line here.
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
-import numpy as np
-
+from clerestory.array_types import Series
 from clerestory.brief_repr import brief
 from clerestory.glare.cgi import CGI
 from clerestory.glare.dgi import DGI, MODIFIED_DGI
-from clerestory.glare.dgp import (
-    DGP,
-    SIMPLIFIED_DGP,
-    age_correction,
-    dgp,
-    low_light_correction,
-)
+from clerestory.glare.dgp import DGP, SIMPLIFIED_DGP
 from clerestory.glare.index import EyePhotometry, GlareIndex, Quantity
+from clerestory.glare.index_settings import IndexSettings
+from clerestory.glare.source_table import GlareSources
 from clerestory.glare.ugp import LOGISTIC_UGP, UGP
 from clerestory.glare.ugr import EXPERIMENTAL_UGR, UGR
 from clerestory.glare.vcp import DGR, VCP
@@ -43,7 +37,7 @@ REPORTED: tuple[Quantity, ...] = (
     ),
     Quantity(
         "source_solid_angle",
-        lambda e: float(e.sources.solid_angle.sum()),
+        lambda e: e.sources.totals(e.sources.solid_angle),
         "sr",
         "omega_sources",
     ),
@@ -55,7 +49,7 @@ REPORTED: tuple[Quantity, ...] = (
     MODIFIED_DGI,
     LOGISTIC_UGP,
     SIMPLIFIED_DGP,
-    Quantity("source_count", lambda e: float(e.sources.count)),
+    Quantity("source_count", lambda e: e.sources.counts.astype(float)),
     Quantity("brightest_luminance", lambda e: e.brightest, _CD),
     Quantity("reference_luminance", lambda e: e.reference, _CD),
 )
@@ -63,31 +57,72 @@ REPORTED: tuple[Quantity, ...] = (
 INDICES = tuple(one for one in REPORTED if isinstance(one, GlareIndex))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Glare(EyePhotometry):
+def quantities_over_time(
+    eye: EyePhotometry, names: Collection[str] | None = None
+) -> dict[str, Series]:
+    """Return indices and photometric quantities by name; default: all."""
+    wanted = [one for one in REPORTED if names is None or one.name in names]
+    return {one.name: one.formula(eye) for one in wanted}
+
+
+@dataclass(frozen=True, eq=False)
+class Glare:
     """Glare sources, photometric quantities and glare indices of one picture.
 
     `errors` are the standard errors of the `values`, if those of the pixels are known.
     """
 
+    eye: EyePhotometry
     errors: Mapping[str, float] = field(default_factory=dict)
 
     __repr__ = brief
 
-    @cached_property
+    @property
+    def sources(self) -> GlareSources:
+        """Glare sources."""
+        return self.eye.sources
+
+    @property
+    def settings(self) -> IndexSettings:
+        """Settings of the indices."""
+        return self.eye.settings
+
+    @property
+    def illuminance(self) -> float:
+        """Vertical illuminance at the eye, from the picture [lux]."""
+        return float(self.eye.illuminance[0])
+
+    @property
+    def direct_illuminance(self) -> float:
+        """Vertical illuminance at the eye from the glare sources, Edir [lux]."""
+        return float(self.eye.direct_illuminance[0])
+
+    @property
+    def average(self) -> float:
+        """Mean luminance of the picture [cd/m²]."""
+        return float(self.eye.average[0])
+
+    @property
+    def reference(self) -> float:
+        """Mean luminance of the task, if any, else of the picture [cd/m²]."""
+        return float(self.eye.reference[0])
+
+    @property
+    def background(self) -> float:
+        """Background luminance as defined by the settings [cd/m²]."""
+        return float(self.eye.background[0])
+
+    @property
+    def brightest(self) -> float:
+        """Largest luminance [cd/m²]."""
+        return float(self.eye.brightest[0])
+
+    @property
     def dgp(self) -> float:
         """Daylight glare probability, with the corrections for low light and age."""
-        level, settings = self.eye_illuminance, self.settings
-        value = dgp(self.sources, illuminance=level, coefficients=settings.coefficients)
-        if settings.low_light:
-            value *= float(low_light_correction(np.array(level)))
-        if settings.age is not None:
-            value *= age_correction(settings.age)
-        return min(value, 1.0)
+        return self.values(("dgp",))["dgp"]
 
     def values(self, names: Collection[str] | None = None) -> dict[str, float]:
         """Return indices and photometric quantities by name; default: all."""
-        wanted = [one for one in REPORTED if names is None or one.name in names]
-        return {
-            one.name: self.dgp if one is DGP else one.formula(self) for one in wanted
-        }
+        found = quantities_over_time(self.eye, names)
+        return {name: float(value[0]) for name, value in found.items()}

@@ -4,6 +4,8 @@ The picture is scanned column by column from the left, each column from the bott
 Consecutive glare pixels in a column (a run) belong to one source. If a previously
 scanned pixel within half the merging angle of the first pixel of the run belongs to a
 source, the run is added to that source; otherwise it begins a new source.
+
+Several pictures of one view are scanned together, as one picture.
 """
 
 from typing import NamedTuple
@@ -13,6 +15,7 @@ from jaxtyping import Int
 from scipy import ndimage
 
 from clerestory.array_types import ImageMask
+from clerestory.glare.mask_stack import MaskStack
 from clerestory.glare.neighbour_search import Neighbourhood
 from clerestory.glare.scan_search import previous_pixels
 
@@ -73,9 +76,13 @@ def islands(mask: ImageMask, reach: int) -> Int[np.ndarray, " pixel"]:
 
 
 def first_scan(
-    pixels: ScannedPixels, mask: ImageMask, near: Neighbourhood, *, single: bool
+    pixels: ScannedPixels,
+    stack: MaskStack,
+    near: Neighbourhood,
+    *,
+    single: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Return the source label of each pixel after the first scan, from 1.
+    """Return the source label of each pixel after the first scan, from 1 in a picture.
 
     With `single`, every pixel is a run of its own.
     """
@@ -85,7 +92,7 @@ def first_scan(
         begins[1:] = (np.diff(column) != 0) | (np.diff(row) != -1)
     run = np.cumsum(begins) - 1
     start = np.flatnonzero(begins)
-    alone = _may_be_first(pixels, start, mask, near)
+    alone = _may_be_first(pixels, start, stack, near)
 
     # An island in which at most one run can begin a source is one source
     tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
@@ -94,24 +101,36 @@ def first_scan(
     birth = first_run[island[start]]  # first run of the source of each run
     several = np.flatnonzero(tips[island[start]] > 1)
     if several.size:
-        birth[several] = _births(several, start, run, pixels, mask, near)
+        birth[several] = _births(several, start, run, pixels, stack, near)
 
-    _, number = np.unique(birth, return_inverse=True)
-    return np.asarray(number[run] + 1)
+    births, number = np.unique(birth, return_inverse=True)
+    rank = _ranks(row[start[births]] // stack.pitch)
+    return np.asarray(rank[number[run]] + 1)
+
+
+def _ranks(picture: Int[np.ndarray, " source"]) -> Int[np.ndarray, " source"]:
+    # Number of previous sources of the same picture
+    order, counts = np.argsort(picture, kind="stable"), np.bincount(picture)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(order.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    return rank
 
 
 def _may_be_first(
-    pixels: ScannedPixels, start: np.ndarray, mask: np.ndarray, near: Neighbourhood
+    pixels: ScannedPixels,
+    start: np.ndarray,
+    stack: MaskStack,
+    near: Neighbourhood,
 ) -> np.ndarray:
     # Whether a run may begin a source: no previous glare pixel is in the region that is
     # always searched, a rectangle to the upper left and the column below
     row, column = pixels.row[start], pixels.column[start]
-    side = np.floor(_SURE * near.sure_reach[row, column]).astype(np.int64)
+    side = np.floor(_SURE * near.sure_reach[stack.seen(row, column)]).astype(np.int64)
     # Numbers of glare pixels above and to the left, in the bounding box of the mask
     (top, bottom), (left, right) = (
         (part.min(), part.max() + 1) for part in (pixels.row, pixels.column)
     )
-    box = mask[top:bottom, left:right]
+    box = stack.mask[top:bottom, left:right]
     total = np.zeros((box.shape[0] + 1, box.shape[1] + 1), dtype=np.int32)
     np.cumsum(box, axis=0, out=total[1:, 1:])
     np.cumsum(total[1:, 1:], axis=1, out=total[1:, 1:])
@@ -133,14 +152,14 @@ def _births(
     start: np.ndarray,
     run: np.ndarray,
     pixels: ScannedPixels,
-    mask: np.ndarray,
+    stack: MaskStack,
     near: Neighbourhood,
 ) -> np.ndarray:
     # For each of several runs, index of the first run of its source
-    number = np.zeros(mask.shape, dtype=np.int32)
+    number = np.zeros(stack.mask.shape, dtype=np.int32)
     number[pixels.row, pixels.column] = run
     first = start[several]
-    row, column = previous_pixels(pixels.row[first], pixels.column[first], mask, near)
+    row, column = previous_pixels(pixels.row[first], pixels.column[first], stack, near)
     joined = np.arange(start.size)
     joined[several] = np.where(row < 0, several, number[row, column])
     # Follow the runs that each run joins to the run that begins the source

@@ -5,7 +5,7 @@ as a picture would be: with the rules of glare sources, the position indices and
 formulas of `evaluate_glare`. The sun's disc is one more direction, which moves.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -15,22 +15,18 @@ from jaxtyping import Float
 
 from clerestory.array_types import Vector
 from clerestory.checks import has_shape, one_of, require, same_length
-from clerestory.glare.annual_glare import glare_dataset, labelled_glare
+from clerestory.glare.annual_glare import glare_dataset
 from clerestory.glare.detection_criteria import SourceRules
-from clerestory.glare.dgp import dgp_over_time
-from clerestory.glare.direction_sources import (
-    SourceOptions,
-    direction_source_blocks,
-    direction_sources,
-)
+from clerestory.glare.direction_sources import SourceOptions, direction_sources
 from clerestory.glare.eye_directions import EyeDirections, SunDisc, seen_by
+from clerestory.glare.index import EyePhotometry
 from clerestory.glare.index_settings import (
     EVALGLARE,
     Background,
     DgpCoefficients,
     IndexSettings,
 )
-from clerestory.glare.indices import REPORTED, Glare
+from clerestory.glare.indices import REPORTED, quantities_over_time
 from clerestory.glare.position_index import PositionModel
 from clerestory.glare.sphere_samples import SphereSamples
 from clerestory.scene.view import View
@@ -39,9 +35,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UP = np.array([0.0, 0.0, 1.0])
-
-# Quantities that are computed for many time steps at once
-_AT_ONCE = frozenset({"dgp", "illuminance"})
 
 
 def point_glare(
@@ -108,18 +101,8 @@ def point_glare(
     eyes = [
         _Eye(samples, luminance, view, sun, rules, position_model) for view in views
     ]
-    if quantities is not None and _AT_ONCE.issuperset(quantities) and not low_light:
-        values = {
-            name: np.array([getattr(eye, name)(coefficients) for eye in eyes])
-            for name in quantities
-        }
-        steps_or_times = np.arange(steps) if times is None else times
-        dataset = labelled_glare(values, steps_or_times)
-    else:
-        found = [
-            [glare.values(quantities) for glare in eye.glare(settings)] for eye in eyes
-        ]
-        dataset = glare_dataset(found, times)
+    found = [quantities_over_time(eye.photometry(settings), quantities) for eye in eyes]
+    dataset = glare_dataset(found, np.arange(steps) if times is None else times)
     looks = np.array([view.direction for view in views])
     azimuth = np.degrees(np.arctan2(looks[:, 0], looks[:, 1])) % 360
     return dataset.assign_coords(azimuth=("view", azimuth, {"units": "degree"}))
@@ -157,46 +140,31 @@ class _Eye:
     rules: SourceRules
     model: PositionModel
 
-    def dgp(self, coefficients: DgpCoefficients) -> Float[np.ndarray, " step"]:
-        # DGP of all steps of a block at once
-        found, first = [np.zeros(0)], 0
-        level = self.illuminance(coefficients)
-        for block in direction_source_blocks(*self._light, **self._how):
-            large = block.table.solid_angle >= self.rules.smallest
-            some, step = block.table.select(large), block.step[large]
-            own = level[first : first + block.steps]
-            found.append(dgp_over_time(some, step, own, coefficients))
-            first += block.steps
-        return np.concatenate(found)
+    def photometry(self, settings: IndexSettings) -> EyePhotometry:
+        # Photometric quantities at all time steps
+        sources = direction_sources(
+            self.samples, self.luminance, self.view, **self._how
+        )
+        brightest = self.luminance[self._eye.ahead].max(axis=0, initial=0)
+        illuminance = self._illuminance()
+        return EyePhotometry(
+            sources=sources.larger_than(self.rules.smallest),
+            illuminance=illuminance,
+            average=self._average,
+            reference=self._average,
+            brightest=np.maximum(brightest, self._beam),
+            eye_illuminance=illuminance,
+            solid_angle=float(self._omega.sum()),
+            settings=settings,
+        )
 
-    def illuminance(self, _: DgpCoefficients) -> Float[np.ndarray, " step"]:
+    def _illuminance(self) -> Float[np.ndarray, " step"]:
         # Vertical illuminance at the eye [lux]
         weight = (self.samples.solid_angle * self._eye.cosine).astype(
             self.luminance.dtype
         )
         found = (weight @ self.luminance).astype(float)
         return np.asarray(found + self._flux * self._disc.cosine)
-
-    def glare(self, settings: IndexSettings) -> Iterator[Glare]:
-        # Glare at each time step
-        brightest = self.luminance[self._eye.ahead].max(axis=0, initial=0)
-        brightest = np.maximum(brightest, self._beam)
-        illuminance, average = self.illuminance(settings.coefficients), self._average
-        tables = direction_sources(*self._light, **self._how)
-        for step, sources in enumerate(tables):
-            yield Glare(
-                sources=sources.larger_than(self.rules.smallest),
-                illuminance=float(illuminance[step]),
-                average=float(average[step]),
-                reference=float(average[step]),
-                brightest=float(brightest[step]),
-                solid_angle=float(self._omega.sum()),
-                settings=settings,
-            )
-
-    @property
-    def _light(self) -> tuple[SphereSamples, np.ndarray, View]:
-        return self.samples, self.luminance, self.view
 
     @cached_property
     def _how(self) -> SourceOptions:

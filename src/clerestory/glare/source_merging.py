@@ -32,6 +32,7 @@ def merge_sources(
 ) -> Int[np.ndarray, " pixel"]:
     """Return the source label of each pixel after merging.
 
+    An island is in one picture; labels of islands in different pictures may be equal.
     With `skip_inner`, pixels surrounded by pixels of the same source are skipped.
     """
     merged = labels.copy()
@@ -49,6 +50,8 @@ def merge_sources(
         while state.scan():
             pass
         merged[index] = picture[some.row, some.column]
+        # The next island may be in another picture
+        picture[some.row, some.column] = 0
     return merged
 
 

@@ -1,18 +1,25 @@
-"""Table of glare sources, from which glare indices are computed."""
+"""Table of glare sources, from which glare indices are computed.
 
-from dataclasses import dataclass, fields
+A table contains the sources of one picture, or of many pictures or time steps, whose
+indices are then computed together.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy.typing import ArrayLike
 
+from clerestory.array_types import Values
 from clerestory.brief_repr import brief
 from clerestory.checks import require
 
 
 @dataclass(frozen=True, eq=False)
 class GlareSources:
-    """Glare sources of a field of view.
+    """Glare sources of a field of view, at one or more time steps.
 
     Attributes
     ----------
@@ -24,6 +31,8 @@ class GlareSources:
     illuminance : vertical illuminance at the eye from the source [lux]
     zone : zone number: 0 outside of all zones, 1 inner zone, 2 outer zone
     luminance_error : standard error of the mean luminance, 0 if unknown [cd/m²]
+    step : index of the time step of each source
+    steps : number of time steps
 
     >>> lamp = GlareSources.of(luminance=[5000], solid_angle=[0.01], position_index=[2])
     >>> lamp.count
@@ -41,6 +50,8 @@ class GlareSources:
     column: Float[np.ndarray, " source"]
     zone: Int[np.ndarray, " source"]
     luminance_error: Float[np.ndarray, " source"]
+    step: Int[np.ndarray, " source"]
+    steps: int = field(default=1, kw_only=True)
 
     __repr__ = brief
 
@@ -84,12 +95,40 @@ class GlareSources:
             column=nothing,
             zone=none,
             luminance_error=nothing,
+            step=none,
         )
+
+    @classmethod
+    def joined(cls, tables: Sequence["GlareSources"]) -> "GlareSources":
+        """Return the sources of several tables, whose time steps follow each other."""
+        first = np.cumsum([0, *(table.steps for table in tables)])
+        parts = {
+            name: np.concatenate([getattr(table, name) for table in tables])
+            for name in _NAMES
+        }
+        parts["step"] += np.repeat(first[:-1], [table.count for table in tables])
+        return cls(**parts, steps=int(first[-1]))
 
     @property
     def count(self) -> int:
         """Number of sources."""
         return int(self.luminance.size)
+
+    @cached_property
+    def counts(self) -> Int[np.ndarray, " step"]:
+        """Number of sources at each time step."""
+        return np.bincount(self.step, minlength=self.steps)
+
+    def totals(
+        self, values: Float[np.ndarray, " source"]
+    ) -> Float[np.ndarray, " step"]:
+        """Return the sum of values of the sources at each time step."""
+        return np.bincount(self.step, values, self.steps).astype(float)
+
+    def at_source(self, values: Values | float) -> Float[np.ndarray, " source"]:
+        """Return the value of the time step of each source."""
+        every = np.broadcast_to(np.asarray(values, dtype=float), self.steps)
+        return np.asarray(every[self.step])
 
     def weight(self) -> Float[np.ndarray, " source"]:
         """L²ω/P² of each source, as summed in UGR, CGI and UGP [cd²/m⁴·sr]."""
@@ -100,11 +139,12 @@ class GlareSources:
         """Solid angle of each source divided by squared position index, ω/P² [sr]."""
         return np.asarray(self.solid_angle / self.position_index**2)
 
-    def average_luminance(self) -> float:
+    def average_luminance(self) -> Float[np.ndarray, " step"]:
         """Mean luminance of all sources, weighted by solid angle [cd/m²]; 0 if none."""
-        if not self.count:
-            return 0.0
-        return float(self.luminance @ self.solid_angle / self.solid_angle.sum())
+        flux = self.totals(self.luminance * self.solid_angle)
+        size = self.totals(self.solid_angle)
+        none = np.zeros(self.steps)
+        return np.asarray(np.divide(flux, size, out=none, where=size > 0))
 
     def samples(self) -> Float[np.ndarray, " source"]:
         """Effective number of path samples of each source: (luminance / error)².
@@ -126,7 +166,13 @@ class GlareSources:
         self, keep: Bool[np.ndarray, " source"] | Int[np.ndarray, " some"]
     ) -> "GlareSources":
         """Return some of the sources, by a mask or by their indices."""
-        return GlareSources(*[getattr(self, name)[keep] for name in _NAMES])
+        parts = [getattr(self, name)[keep] for name in _NAMES]
+        return GlareSources(*parts, steps=self.steps)
+
+    def at_step(self, step: int) -> "GlareSources":
+        """Return the sources of one time step."""
+        found = self.select(self.step == step)
+        return replace(found, step=np.zeros_like(found.step), steps=1)
 
 
-_NAMES = tuple(field.name for field in fields(GlareSources))
+_NAMES = tuple(one.name for one in fields(GlareSources) if one.name != "steps")

@@ -5,27 +5,31 @@ merged. Optionally, dark pixels surrounded by a source are added (smoothing) and
 are extracted.
 """
 
-import itertools
 import math
 import warnings
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Int
 
-from clerestory.array_types import Image, ImageMask, PictureMasks, Pictures
+from clerestory.array_types import EachGroup, Image, ImageMask, PictureMasks, Pictures
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules, Zone
 from clerestory.glare.glare_view import GlareView
+from clerestory.glare.mask_stack import MaskStack
 from clerestory.glare.neighbour_search import Neighbourhood, neighbourhood
 from clerestory.glare.peak_extraction import split_peaks
-from clerestory.glare.pixel_scan import ScannedPixels, first_scan, scan_order
+from clerestory.glare.pixel_scan import (
+    ScannedPixels,
+    first_scan,
+    scan_order,
+)
 from clerestory.glare.smoothing import surrounded
 from clerestory.glare.source_merging import merge_sources
-from clerestory.glare.source_table import GlareSources
 
 # Ratio of half the merging angle to the smoothing radius (evalglare)
 _SMOOTHING = 1.75
@@ -47,6 +51,10 @@ class Members(NamedTuple):
     label: Int[np.ndarray, " member"]
     row: Int[np.ndarray, " member"]
     column: Int[np.ndarray, " member"]
+
+
+# Pixels that the sources of each picture of a group have
+OwnMembers = Bool[np.ndarray, "_ _"]
 
 
 def threshold_luminance(luminance: Image, eye: GlareView, rules: SourceRules) -> float:
@@ -93,9 +101,9 @@ def warn_if_coarse(eye: GlareView, rules: SourceRules, *, name: str) -> None:
     found, sides = merging_pixels(eye, rules), max(eye.shape)
     if found < _FEW_PIXELS:
         warnings.warn(
-            f"{name}: half the merging angle is {found:.1f} pixels at a resolution of"
-            f" {sides}; {_FEW_PIXELS:g} or more expected, which takes a resolution"
-            f" of {math.ceil(sides * _FEW_PIXELS / found)}",
+            f"{name}: a resolution of {sides} pixels is too coarse to tell glare"
+            f" sources apart; {math.ceil(sides * _FEW_PIXELS / found)} or more"
+            " expected",
             ClerestoryWarning,
             stacklevel=2,
         )
@@ -105,7 +113,9 @@ def find_sources(
     luminance: Image, eye: GlareView, rules: SourceRules | None = None
 ) -> Members:
     """Return the pixels of the glare sources of a picture."""
-    return SourceSearch(eye, rules or SourceRules()).members(luminance[None])[0]
+    search = SourceSearch(eye, rules or SourceRules())
+    [(members, _)] = search.members([luminance[None]])
+    return members
 
 
 def glare_pixels(
@@ -122,25 +132,42 @@ def glare_pixels(
 
 
 def grouped(
-    mask: ImageMask, peak: ImageMask, eye: GlareView, rules: SourceRules
-) -> Members:
-    """Group glare pixels into sources."""
+    masks: Sequence[ImageMask],
+    peaks: Sequence[ImageMask],
+    eye: GlareView,
+    rules: SourceRules,
+) -> list[Members]:
+    """Group the glare pixels of each picture into sources."""
     scale = merging_pixels(eye, rules)
     near = neighbourhood(eye, rules.merge_angle / 2)
-    pixels = scan_order(mask, near.reach)
-    label = np.zeros(0, dtype=np.int64)
-    if pixels.row.size:
-        label = first_scan(pixels, mask, near, single=scale <= 1)
+    stack = MaskStack.of(masks, near.reach)
+    pixels = scan_order(stack.mask, near.reach)
+    label, picture = np.zeros(0, dtype=np.int64), pixels.row // stack.pitch
+    place = stack.seen(pixels.row, pixels.column)
+    seen = ScannedPixels(*place, pixels.island)
+    if picture.size:
+        label = first_scan(pixels, stack, near, single=scale <= 1)
         if scale > 1:
-            label = merge_sources(pixels, label, eye.solid_angle, near, skip_inner=True)
-    members = Members(label, pixels.row, pixels.column)
-    if scale < 1:
-        return members
-    if rules.smooth:
-        members = _smooth(members, mask, eye, scale / _SMOOTHING)
-    if rules.peak_luminance is not None:
-        members = _split(members, peak, eye, near)
-    return members
+            label = merge_sources(seen, label, eye.solid_angle, near, skip_inner=True)
+    order = np.argsort(picture, kind="stable")
+    ends = np.cumsum(np.bincount(picture, minlength=len(masks)))
+    found = []
+    for own, mask, peak in zip(np.split(order, ends[:-1]), masks, peaks, strict=True):
+        members = Members(label[own], seen.row[own], seen.column[own])
+        if scale >= 1 and rules.smooth:
+            members = _smooth(members, mask, eye, scale / _SMOOTHING)
+        if scale >= 1 and rules.peak_luminance is not None:
+            members = _split(members, peak, eye, near)
+        found.append(members)
+    return found
+
+
+@dataclass
+class _Marked:
+    # Glare pixels and peaks of a picture, and the pixels of sources, once known
+    mask: ImageMask
+    peak: ImageMask
+    members: Members | None = None
 
 
 @dataclass
@@ -152,31 +179,42 @@ class SourceSearch:
 
     eye: GlareView
     rules: SourceRules
-    _last: deque[tuple[ImageMask, ImageMask, Members]] = field(
-        default_factory=lambda: deque(maxlen=_KEPT)
-    )
+    _last: deque[_Marked] = field(default_factory=lambda: deque(maxlen=_KEPT))
 
-    def members(
-        self, pictures: Pictures
-    ) -> tuple[Members, Bool[np.ndarray, "picture member"]]:
+    def members(self, groups: Sequence[EachGroup]) -> list[tuple[Members, OwnMembers]]:
         """Return the pixels of glare sources, and those that each picture has.
 
-        Pixels that are glare pixels in any of the pictures are grouped together.
+        Pixels that are glare pixels in any picture of a group are grouped together.
         """
-        masks, peaks = glare_pixels(pictures, self.eye, self.rules)
-        every, peak = np.asarray(masks.any(axis=0)), np.asarray(peaks.any(axis=0))
-        members = self._grouped(every, peak)
-        place = members.row, members.column
-        # Pixels that smoothing adds belong to the sources of all pictures
-        return members, masks[:, *place] | ~every[place]
+        masks, kept = [], []
+        for pictures in groups:
+            mask, peak = glare_pixels(pictures, self.eye, self.rules)
+            masks.append(mask)
+            every = (np.asarray(each.any(axis=0)) for each in (mask, peak))
+            kept.append(self._kept(*every))
+        new = list({id(one): one for one in kept if one.members is None}.values())
+        if new:
+            marks = [one.mask for one in new], [one.peak for one in new]
+            for one, members in zip(
+                new, grouped(*marks, self.eye, self.rules), strict=True
+            ):
+                one.members = members
+        return [_of_pictures(mask, one) for mask, one in zip(masks, kept, strict=True)]
 
-    def _grouped(self, mask: ImageMask, peak: ImageMask) -> Members:
-        for before, peaks, members in self._last:
-            if np.array_equal(mask, before) and np.array_equal(peak, peaks):
-                return members
-        members = grouped(mask, peak, self.eye, self.rules)
-        self._last.append((mask, peak, members))
-        return members
+    def _kept(self, mask: ImageMask, peak: ImageMask) -> _Marked:
+        for one in self._last:
+            if np.array_equal(mask, one.mask) and np.array_equal(peak, one.peak):
+                return one
+        self._last.append(_Marked(mask, peak))
+        return self._last[-1]
+
+
+def _of_pictures(masks: PictureMasks, marked: _Marked) -> tuple[Members, OwnMembers]:
+    # Pixels of sources of a group of pictures, and those that each of them has
+    assert marked.members is not None
+    place = marked.members.row, marked.members.column
+    # Pixels that smoothing adds belong to the sources of all pictures
+    return marked.members, masks[:, *place] | ~marked.mask[place]
 
 
 def _smooth(
@@ -212,72 +250,3 @@ def _split(
         label[index] = following + number - 1
         following += int(number.max())
     return Members(label, members.row, members.column)
-
-
-def tabulate(
-    members: Members,
-    luminance: Image,
-    eye: GlareView,
-    *,
-    zone: Int[np.ndarray, " label"] | None = None,
-) -> GlareSources:
-    """Return the table of the sources of a picture, in the order of labels."""
-    every = np.ones((1, len(members.label)), bool)
-    return tables(members, every, luminance[None], eye, zone=zone)[0]
-
-
-def tables(
-    members: Members,
-    own: Bool[np.ndarray, "picture member"],
-    pictures: Pictures,
-    eye: GlareView,
-    *,
-    zone: Int[np.ndarray, " label"] | None = None,
-    error: Image | None = None,
-) -> list[GlareSources]:
-    """Return the tables of the sources of pictures, in the order of labels.
-
-    `own` are the members of the sources in each picture. `error` is the standard error
-    of each pixel, independent of those of other pixels.
-    """
-    picture, member = np.nonzero(own)
-    row, column = members.row[member], members.column[member]
-    # Labels of the sources of a picture follow those of the picture before
-    count = int(members.label.max(initial=0)) + 1
-    label = members.label[member] + count * picture
-    bright = pictures[picture, row, column].astype(float)
-    omega = eye.solid_angle[row, column]
-    flux = bright * omega
-
-    pixels = np.bincount(label, minlength=1)
-    used = np.flatnonzero(pixels)
-
-    def total(values: np.ndarray) -> np.ndarray:
-        return np.asarray(np.bincount(label, weights=values)[used], dtype=float)
-
-    # Centre of each source, weighted by luminance; the pixel at the centre defines
-    # position index and direction. evalglare counts rows from below and truncates
-    # coordinates
-    solid_angle, power = total(omega), total(flux)
-    noise = np.zeros(label.size) if error is None else error[row, column] * omega
-    last = eye.shape[0] - 1
-    up, across = total(flux * (last - row)) / power, total(flux * column) / power
-    up_pixel, column_pixel = (x.astype(np.float32).astype(int) for x in (up, across))
-    at = last - up_pixel, column_pixel
-    found = GlareSources(
-        luminance=power / solid_angle,
-        solid_angle=solid_angle,
-        position_index=eye.position_index[at],
-        sigma=eye.sigma[at],
-        direction=eye.direction[at],
-        illuminance=total(bright * eye.eye_weight[row, column]),
-        pixels=pixels[used],
-        row=last - up,
-        column=across,
-        zone=np.zeros(used.size, dtype=np.int64)
-        if zone is None
-        else zone[used % count],
-        luminance_error=np.sqrt(total(noise**2)) / solid_angle,
-    )
-    first = np.searchsorted(used, count * np.arange(len(pictures) + 1))
-    return [found.select(np.arange(*some)) for some in itertools.pairwise(first)]

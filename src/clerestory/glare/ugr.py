@@ -2,11 +2,14 @@
 
 import math
 
-from clerestory.glare.index import GlareIndex, without_logarithm
+import numpy as np
+
+from clerestory.array_types import Series, Values
+from clerestory.glare.index import GlareIndex, adaptation, by_sources
 from clerestory.glare.source_table import GlareSources
 
 
-def ugr(sources: GlareSources, *, background: float) -> float:
+def ugr(sources: GlareSources, *, background: Values | float) -> Series:
     """Unified glare rating: 10 imperceptible, 19 limit for offices, 28 intolerable.
 
     The rating is 0 without sources and NaN for a background luminance of 0 cd/m².
@@ -14,32 +17,30 @@ def ugr(sources: GlareSources, *, background: float) -> float:
     Reference: CIE 117-1995: Discomfort glare in interior lighting.
 
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
-    >>> round(ugr(lamp, background=40.0), 2)
-    19.59
+    >>> ugr(lamp, background=40.0).round(2).tolist()
+    [19.59]
     """
-    special = without_logarithm(sources, background)
-    if special is not None:
-        return special
-    return 8 * math.log10(0.25 / background * float(sources.weight().sum()))
+    scale = 0.25 / adaptation(background)
+    return by_sources(
+        sources, sources.weight(), lambda total: 8 * np.log10(scale * total)
+    )
 
 
 def experimental_ugr(
-    sources: GlareSources, *, average: float, background: float
-) -> float:
+    sources: GlareSources, *, average: Values | float, background: Values | float
+) -> Series:
     """UGR with L² of each source replaced by L times the mean luminance Ev/π [cd/m²].
 
     Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
     Lighting Research and Technology 35(4).
 
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
-    >>> round(experimental_ugr(lamp, average=100.0, background=40.0), 2)
-    12.59
+    >>> experimental_ugr(lamp, average=100.0, background=40.0).round(2).tolist()
+    [12.59]
     """
-    special = without_logarithm(sources, min(background, average))
-    if special is not None:
-        return special
-    flux = float((sources.luminance * sources.guth_solid_angle()).sum())
-    return 8 * math.log10(average * flux / background)
+    scale = adaptation(average) / adaptation(background)
+    flux = sources.luminance * sources.guth_solid_angle()
+    return by_sources(sources, flux, lambda total: 8 * np.log10(scale * total))
 
 
 UGR = GlareIndex(

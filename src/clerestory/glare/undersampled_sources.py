@@ -91,12 +91,16 @@ def without_undersampled(
 
 
 def undersampled_sources(
-    result: Glare, without: Glare, view: View
+    result: Glare, without: float, view: View
 ) -> UndersampledSources | None:
-    """Return the undersampled sources, if they have an appreciable share of DGP."""
+    """Return the undersampled sources, if they have an appreciable share of DGP.
+
+    `without` is DGP without these sources.
+    """
     every: GlareSources = result.sources
     sources = every.select(every.samples() < _SAMPLES)
-    if not sources.count or without.dgp > (1 - _SHARE) * result.dgp:
+    dgp = result.dgp if sources.count else 0.0
+    if not sources.count or without > (1 - _SHARE) * dgp:
         return None
     number = int(np.argmax(sources.weight()))
     direction = sources.direction[number]
@@ -109,7 +113,7 @@ def undersampled_sources(
         samples=float(sources.samples()[number]),
         right=math.atan2(float(direction @ side), float(direction @ view.direction)),
         above=math.asin(max(-1.0, min(1.0, above))),
-        dgp=result.dgp,
+        dgp=dgp,
         dgp_error=result.errors["dgp"],
-        without=without.dgp,
+        without=without,
     )

@@ -2,14 +2,17 @@
 
 import math
 
-from clerestory.glare.index import GlareIndex, without_logarithm
+import numpy as np
+
+from clerestory.array_types import Series, Values
+from clerestory.glare.index import GlareIndex, adaptation, by_sources
 from clerestory.glare.source_table import GlareSources
 
 # Values of DGR above which VCP is 0 %, and below which it is 100 % (evalglare)
 _LARGEST_RATING, _SMALLEST_RATING = 750.0, 20.0
 
 
-def dgr(sources: GlareSources, *, average: float) -> float:
+def dgr(sources: GlareSources, *, average: Values | float) -> Series:
     """Guth's discomfort glare rating; 0 without sources.
 
     `average` is the mean luminance of the field of view [cd/m²].
@@ -18,32 +21,31 @@ def dgr(sources: GlareSources, *, average: float) -> float:
     Illuminating Engineering 57. IESNA Lighting Handbook, 9th edition, chapter 9.
 
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
-    >>> round(dgr(lamp, average=60.0), 1)
-    127.3
+    >>> dgr(lamp, average=60.0).round(1).tolist()
+    [127.3]
     """
-    special = without_logarithm(sources, average)
-    if special is not None:
-        return special
     omega = sources.solid_angle
     size = 20.4 * omega + 1.52 * omega**0.2 - 0.075
-    each = 0.5 * sources.luminance * size / (sources.position_index * average**0.44)
-    total = float(each.sum())
-    return total ** (sources.count**-0.0914) if total > 0 else 0.0
+    each = 0.5 * sources.luminance * size / sources.position_index
+    power = np.maximum(sources.counts, 1) ** -0.0914
+    scale = adaptation(average) ** -0.44
+    return by_sources(
+        sources, each, lambda total: (np.maximum(total, 0) * scale) ** power
+    )
 
 
-def vcp(rating: float) -> float:
+def vcp(rating: Values | float) -> Values:
     """Visual comfort probability [%] from the discomfort glare rating.
 
-    >>> round(vcp(120.0), 1)
-    51.7
+    >>> vcp(np.array([120.0])).round(1).tolist()
+    [51.7]
     """
-    if math.isnan(rating):
-        return math.nan
-    if rating > _LARGEST_RATING:
-        return 0.0
-    if rating < _SMALLEST_RATING:
-        return 100.0
-    return 50 + 50 * math.erf((6.374 - 1.3227 * math.log(rating)) / math.sqrt(2))
+    level = np.asarray(rating, dtype=float)
+    inside = np.clip(level, _SMALLEST_RATING, _LARGEST_RATING)
+    place = (6.374 - 1.3227 * np.log(inside)) / math.sqrt(2)
+    share = np.reshape([math.erf(x) for x in place.ravel().tolist()], place.shape)
+    found = np.where(level > _LARGEST_RATING, 0.0, 50 + 50 * share)
+    return np.where(level < _SMALLEST_RATING, 100.0, found)
 
 
 DGR = GlareIndex(

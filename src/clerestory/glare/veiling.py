@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Series
 from clerestory.glare.index import Quantity
 from clerestory.glare.source_table import GlareSources
 
@@ -29,16 +30,16 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
     return np.asarray(10 * sources.illuminance / (degrees**2 + _TINY))
 
 
-def poynter_veiling_luminance(sources: GlareSources) -> float:
+def poynter_veiling_luminance(sources: GlareSources) -> Series:
     """Veiling luminance of all sources after Poynter [cd/m²], Lveil of evalglare.
 
     >>> lamp = {"luminance": [1e4], "solid_angle": [0.01], "position_index": [1]}
     >>> lamp = GlareSources.of(**lamp, sigma=np.radians([10]))
-    >>> round(poynter_veiling_luminance(lamp), 2)
-    49.24
+    >>> poynter_veiling_luminance(lamp).round(2).tolist()
+    [49.24]
     """
     flux = sources.luminance * np.cos(sources.sigma) * sources.solid_angle
-    return float(5 * (flux / (np.degrees(sources.sigma) + 1e-11)).sum())
+    return 5 * sources.totals(flux / (np.degrees(sources.sigma) + 1e-11))
 
 
 POYNTER_VEILING_LUMINANCE = Quantity(
@@ -49,7 +50,7 @@ POYNTER_VEILING_LUMINANCE = Quantity(
 )
 CIE_VEILING_LUMINANCE = Quantity(
     name="cie_veiling_luminance",
-    formula=lambda eye: float(veiling_luminance(eye.sources).sum()),
+    formula=lambda eye: eye.sources.totals(veiling_luminance(eye.sources)),
     unit="cd/m2",
     column="Lveil_cie",
 )

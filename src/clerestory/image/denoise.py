@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from clerestory.bands import RGB
 from clerestory.errors import ClerestoryError
 from clerestory.image.picture import Picture
 
@@ -37,7 +38,10 @@ def denoise(picture: Picture) -> Picture:
     smoothed = np.asarray(network.denoise(values, hdr=True), dtype=np.float32)
     line = f"{_MARK} Open Image Denoise by mitsuba-oidn {version}; for the eye only"
     return replace(
-        picture, radiance=np.maximum(smoothed, 0), header=(*picture.header, line)
+        picture,
+        radiance=np.maximum(smoothed, 0),
+        header=(*picture.header, line),
+        bands=RGB,
     )
 
 

@@ -14,8 +14,12 @@ from clerestory.argument_types import checked_fields
 from clerestory.bands import RGB, Bands
 from clerestory.brief_repr import brief
 from clerestory.checks import one_of, positive, require
+from clerestory.colorimetry import rgb_from_xyz
+from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.scene.view import View
+from clerestory.spectral.colour_temperature import tristimulus
+from clerestory.spectral.functions import integral, spectral_function
 
 Quantity = Literal["radiance", "irradiance"]
 
@@ -37,7 +41,7 @@ class Picture:
     header : other header lines of the file, such as commands and notes
     pixel_aspect : ratio of height to width of a pixel
     quantity : "radiance" or "irradiance"
-    bands : spectral bands of the channels; picture files always contain RGB
+    bands : spectral bands of the channels; picture files contain the RGB of `rgb`
 
     Raises
     ------
@@ -88,9 +92,21 @@ class Picture:
 
     @property
     def rgb(self) -> Float32[np.ndarray, "row column 3"]:
-        """Pixel values of a picture in red, green and blue."""
-        require(self.bands == RGB, f"picture in the bands {self.bands}; {RGB} expected")
-        return self.radiance
+        """Pixel values in Radiance's red, green and blue.
+
+        Light in wavelength intervals is converted by the CIE 1931 observer; colours
+        outside the gamut are desaturated. Light in weighting functions is grey.
+        """
+        bands = self.bands
+        if bands == RGB:
+            return self.radiance
+        if bands.limits_nm is None:
+            require(bands.weightings, f"picture in the bands {bands}; {RGB} expected")
+            level = photometric(self)[..., None] / LUMINOUS_EFFICACY
+            return np.repeat(level, 3, axis=-1).astype(np.float32)
+        xyz = tristimulus(np.moveaxis(self.radiance, -1, 0), bands)
+        white = float(integral(spectral_function("y")))
+        return np.moveaxis(rgb_from_xyz(xyz / white), 0, -1).astype(np.float32)
 
     def luminance(self) -> Float32[np.ndarray, "row column"]:
         """Luminance of every pixel [cd/m²]."""

@@ -18,13 +18,12 @@ from tempfile import TemporaryDirectory
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.checks import require
+from clerestory.constants import LIBRARY_PREFIX
 from clerestory.errors import InputError
 from clerestory.glazing.layer import Layer
 from clerestory.glazing.stack import stack_layers
 from clerestory.gonio.layer_file import read_layer
 from clerestory.library.catalogue import RECIPES
-
-PREFIX = "library:"
 
 # One layer system of a name, most of them in one name, and its longest text in an error
 _PART = re.compile(r"([a-z0-9-]+)(?:@(-?\d{1,2}))?", re.ASCII)
@@ -63,7 +62,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
 
 def is_library_name(path: str | Path) -> bool:
     """Whether a path is the name of a built-in BSDF, `library:…`."""
-    return str(path).startswith(PREFIX)
+    return str(path).startswith(LIBRARY_PREFIX)
 
 
 @contextmanager
@@ -82,16 +81,16 @@ def bsdf_file(path: str | Path) -> Iterator[Path]:
 @lru_cache(maxsize=64)
 def library_bsdf(name: str) -> Bsdf:
     """Return a built-in BSDF by name, with or without `library:` before it."""
-    given = name.removeprefix(PREFIX)
+    given = name.removeprefix(LIBRARY_PREFIX)
     layers = library_layers(given)
     bsdf = stack_layers(layers, method="bands", name=given).bsdf
     product = replace(bsdf.product, manufacturer="Clerestory library")
-    return replace(bsdf, product=product, source=f"{PREFIX}{given}")
+    return replace(bsdf, product=product, source=f"{LIBRARY_PREFIX}{given}")
 
 
 def library_layers(name: str) -> Sequence[Layer]:
     """Return the layers of a built-in BSDF, from outdoors to indoors."""
-    parts = name.removeprefix(PREFIX).split("+", maxsplit=_MOST)
+    parts = name.removeprefix(LIBRARY_PREFIX).split("+", maxsplit=_MOST)
     require(
         len(parts) <= _MOST,
         f"{_quoted(name)} joins more than {_MOST} products; fewer expected",

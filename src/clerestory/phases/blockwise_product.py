@@ -8,12 +8,13 @@ windows, and likewise those of C and C_d. All other estimates are statistically
 independent.
 
 Matrices are multiplied in the order that takes fewer operations: V (T D S) for many
-receivers and for moving shades, (V T D) S for few receivers.
+receivers, (V T D) S for few receivers. With moving shades, V T D is computed for each
+combination of shade states that occurs.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 
 import numpy as np
 from jaxtyping import Float, Float32, Int
@@ -48,6 +49,7 @@ from clerestory.phases.received_sunlight import (
 from clerestory.phases.receivers import (
     SkyCoefficients,
     coefficients_cost_less,
+    component_count,
     layers_of,
     light_bytes,
     shining_columns,
@@ -76,6 +78,17 @@ class Components:
     source: tuple[int, int, int]
     steps: Int[np.ndarray, " step"]
     values: Float32[np.ndarray, "component out row step"]
+
+    def plus(self, other: "Components") -> "Components":
+        """Return the sum of components in the same or in other time steps."""
+        if np.array_equal(self.steps, other.steps):
+            self.values[:] += other.values
+            return self
+        steps = np.union1d(self.steps, other.steps)
+        total = np.zeros((*self.values.shape[:-1], len(steps)), np.float32)
+        for each in (self, other):
+            total[..., np.searchsorted(steps, each.steps)] += each.values
+        return replace(self, steps=steps, values=total)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +119,12 @@ class _Factor:
 
     @property
     def paths(self) -> tuple[int, int]:
-        """Number of the paths: C and C_d of a window and state have the same paths."""
+        """Number of the paths, equal for matrices that are estimated from the same.
+
+        These are C and C_d of a window and state, and V T D of all shade states.
+        """
+        if isinstance(self.matrices[0], SkyCoefficients):
+            return self.source[0], -1
         same = isinstance(self.light, SkyLight)
         same &= isinstance(self.matrices[0], TransferMatrix)
         return (-1, self.source[1]) if same else self.source
@@ -207,17 +225,30 @@ class BlockwiseProduct:
             for rows in _row_blocks(parts, self.count, self.most_receivers or fits):
                 yield self._block(rows, times, inside - times.start, factors)
 
+    @cached_property
+    def _kinds(self) -> tuple[Int[np.ndarray, "kind window"], Int[np.ndarray, " time"]]:
+        # Combinations of shade states, and the number of that of each time step
+        states = np.array([np.asarray(state) for state in self.states or ()])
+        kinds, number = np.unique(states, axis=1, return_inverse=True)
+        return kinds.T, number.ravel()
+
     def _chains(self, term: Term) -> list[MatrixChain]:
-        # Matrices of a term, or the product V T D if (V T D) S is faster
+        # Matrices of a term; or products V T D, whose states are the combinations of
+        # shade states, if (V T D) S is faster
         found = chains(self.windows, term.part)
-        states = self.states or ()
-        fixed = all(len(s) and (s == s[0]).all() for s in states)
+        kinds, number = self._kinds
         held = isinstance(found[0].receiving[0], TransferMatrix)
-        if not (fixed and held and found[0].factors):
+        if not (len(kinds) and held and found[0].factors):
             return found
-        chosen = [chain.at(int(s[0])) for chain, s in zip(found, states, strict=True)]
-        if coefficients_cost_less(chosen, self.count, len(self.skies.times)):
-            return [MatrixChain((SkyCoefficients(chosen),))]
+        chosen = [
+            [chain.at(int(state)) for chain, state in zip(found, kind, strict=True)]
+            for kind in kinds
+        ]
+        products = tuple(SkyCoefficients(windows) for windows in chosen)
+        alike = len(set(map(component_count, products))) == 1
+        steps, outputs = np.bincount(number), len(self.weights)
+        if alike and coefficients_cost_less(chosen, self.count, steps, outputs=outputs):
+            return [MatrixChain(products)]
         return found
 
     def _times(
@@ -238,6 +269,8 @@ class BlockwiseProduct:
         skies = self.skies.select(inside)
         every = np.arange(len(inside))
         states = [np.asarray(state)[inside] for state in self.states or ()]
+        if isinstance(found[0].receiving[0], SkyCoefficients):
+            states = [self._kinds[1][inside]]
         if found[0].factors:
             passed = exiting_light(
                 found,
@@ -309,7 +342,7 @@ class BlockwiseProduct:
             for part in factor.add(term, rows, errors=self.errors):
                 key = *factor.paths, part.source[2], len(part.values)
                 if key in components:
-                    part.values[:] += components[key].values
+                    part = part.plus(components[key])
                 components[key] = part
         return Block(rows, times, steps, total, list(components.values()))
 

@@ -127,9 +127,28 @@ def chain_components(chain: MatrixChain) -> int:
 
 
 def coefficients_cost_less(
-    windows: Sequence[MatrixChain], receivers: int, steps: int
+    kinds: Sequence[Sequence[MatrixChain]],
+    receivers: int,
+    steps: Int[np.ndarray, " kind"],
+    *,
+    outputs: int = 1,
 ) -> bool:
-    """Whether (V T D) S takes fewer operations than V (T D S), for fixed shades."""
+    """Whether (V T D) S takes fewer operations than V (T D S).
+
+    `kinds` has the matrices of all windows for each combination of shade states,
+    `steps` the number of its time steps. `outputs` is the number of weighted sums of
+    bands.
+    """
+    cost = np.zeros(2)
+    for windows, count in zip(kinds, steps, strict=True):
+        cost += _operations(windows, receivers, int(count), outputs)
+    return bool(cost[0] < cost[1])
+
+
+def _operations(
+    windows: Sequence[MatrixChain], receivers: int, steps: int, outputs: int
+) -> tuple[int, int]:
+    # Multiplications of (V T D) S and of V (T D S), for fixed shades
     views = max(component_count(window.receiving[0]) for window in windows)
     layers, before, behind = 1 + views, 0, 0
     for window in windows:
@@ -141,8 +160,9 @@ def coefficients_cost_less(
         before += receivers * (1 + views + own) * channels * daylight.rows.size * sky
         behind += (1 + own) * channels * daylight.rows.size * sky * steps
         behind += receivers * (1 + views + own) * channels * inner * steps
-    before += receivers * layers * windows[0].factors[0][-1].columns.size * steps
-    return bool(before < behind)
+    sky = windows[0].factors[0][-1].columns.size
+    before += receivers * layers * sky * steps * outputs
+    return before, behind
 
 
 def shining_columns(

@@ -13,6 +13,7 @@ from jaxtyping import Float, UInt16
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.quality_checks import check
+from clerestory.bsdf.quality_finding import explained_once
 from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.checks import require
@@ -68,8 +69,8 @@ def view_page(bsdf: Bsdf) -> str:
         subtitle=_subtitle(bsdf, file),
         left_out=data["left_out"],
         most=f"{_MOST_VALUES / 1e6:g}",
-        findings=[str(finding) for finding in findings if finding.matters],
-        remarks=[str(finding) for finding in findings if not finding.matters],
+        findings=list(explained_once(f for f in findings if f.matters)),
+        remarks=list(explained_once(f for f in findings if not f.matters)),
     )
     return render_page(
         title=f"{title or 'BSDF'} · scattering",

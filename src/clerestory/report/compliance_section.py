@@ -4,6 +4,9 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+from jaxtyping import Int
+
 from clerestory.metrics.compliance import Assessment
 from clerestory.metrics.standards import STANDARDS
 from clerestory.report.colour import colour_bar
@@ -147,5 +150,13 @@ def _plans(
             )
             words = {"title": metric.title, "note": metric.note}
             figures.append({**words, "drawing": figure, "bar": colour_bar(scale)})
-        grids.append({"name": grid, "plans": figures})
+        grids.append({"name": _grid_words(content, grid, members), "plans": figures})
     return grids if shown else []
+
+
+def _grid_words(
+    content: ReportContent, grid: str, members: Int[np.ndarray, " member"]
+) -> str:
+    # Name of a grid, after that of its space
+    spaces = set(content.data["space"].values[members].tolist())
+    return " · ".join(dict.fromkeys([*(spaces if len(spaces) == 1 else ()), grid]))

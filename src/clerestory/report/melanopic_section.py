@@ -33,6 +33,9 @@ _COLOURS: UInt8[np.ndarray, "kind 3"] = np.array(
     dtype=np.uint8,
 )
 
+# Shares of days with melanopic light
+_DAYS = ("melanopic_days", "low_melanopic_days")
+
 # Largest number of annual maps, and of eyes in the tables
 _MOST_MAPS, _MOST_ROWS = 8, 60
 
@@ -67,7 +70,7 @@ def melanopic_section(content: ReportContent) -> Section:
     target = float(data.attrs.get("melanopic_target_lux", 250.0))
     body = render(
         "melanopic.html",
-        head=_head(target),
+        head=_head(target) + _head_of_both(content, target),
         rows=[_row(content, k) for k in eyes[:_MOST_ROWS].tolist()],
         left=max(0, len(eyes) - _MOST_ROWS),
         colours=_colour_rows(content),
@@ -105,10 +108,20 @@ def _head(target: float) -> list[str]:
     ]
 
 
+def _head_of_both(content: ReportContent, target: float) -> list[str]:
+    # Heads of the columns of days with daylight and electric light
+    levels = (target, LOW_MELANOPIC_LUX)
+    return [
+        f"… {level:,.0f} lux with electric light"
+        for level, name in zip(levels, _DAYS, strict=True)
+        if f"total_{name}" in content.metrics
+    ]
+
+
 def _row(content: ReportContent, k: int) -> tuple[str, list[str]]:
     metrics = content.metrics
     mean = _figure(metrics, "mean_melanopic_edi", k, "lux")
-    shares = ("melanopic_autonomy", "melanopic_days", "low_melanopic_days")
+    shares = ("melanopic_autonomy", *_DAYS, *(f"total_{name}" for name in _DAYS))
     return content.sensors.names[k], [
         str(mean),
         f"{mean.value * EML_PER_EDI:,.0f}",

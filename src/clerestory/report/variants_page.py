@@ -19,6 +19,7 @@ from clerestory.report.colour import (
     percent_scale,
     value_colours,
 )
+from clerestory.report.compliance_words import verdict_words
 from clerestory.report.embedded_data import image_address
 from clerestory.report.markdown import markdown
 from clerestory.report.markup import Markup, drawing, element, render
@@ -105,6 +106,7 @@ def variants_page(
         style=Markup(asset("style.css")),
         runs=[(run.name, run.settings) for run in runs],
         axes=list(dict.fromkeys(axis for run in runs for axis in run.settings)),
+        standards=verdict_table(runs),
         tables=figure_tables(runs),
         pareto=pareto_plot(runs, shown) if shown else "",
         efficient=shown.efficient().tolist() if shown else [False] * len(runs),
@@ -113,6 +115,21 @@ def variants_page(
         plans=grid_plans(runs),
         scale=colour_bar(percent_scale()),
     )
+
+
+def verdict_table(
+    runs: Sequence[RunFigures],
+) -> tuple[list[tuple[str, str]], list[list[str]]]:
+    """Return standards and criteria, and the verdicts of each run on all its spaces."""
+    heads = list(dict.fromkeys(key for run in runs for key in run.verdicts))
+    words = [
+        [
+            verdict_words(run.verdicts[key]) if key in run.verdicts else ""
+            for key in heads
+        ]
+        for run in runs
+    ]
+    return heads, words
 
 
 def figure_tables(runs: Sequence[RunFigures]) -> list[FigureTable]:
@@ -134,6 +151,8 @@ def figure_tables(runs: Sequence[RunFigures]) -> list[FigureTable]:
 def _table_title(figure: VariantFigure) -> str:
     if figure.aspect == "glare":
         return "Glare"
+    if figure.aspect == "sun":
+        return f"{figure.place}: direct sun"
     return "Energy" if figure.aspect == "energy" else figure.place
 
 

@@ -32,6 +32,7 @@ def year_section(content: ReportContent) -> Section:
         darkest=f"{DARKEST_LUX:.0f}",
         gaps=bool(np.any(np.diff(grid.dates) > np.timedelta64(1, "D"))),
         names=names,
+        rated=bool({"glare_dgp", "grid_view_dgp"} & set(content.data.variables)),
         carried=sum(sensor is not None for _, sensor, _ in series),
         total=len(content.sensors),
         drawing=heat_map(

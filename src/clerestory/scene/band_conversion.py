@@ -8,7 +8,7 @@ import numpy as np
 from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
 from clerestory.bsdf.spectral_channels import bsdf_in_bands
-from clerestory.checks import require, within
+from clerestory.checks import not_negative, require, within
 from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
@@ -27,6 +27,12 @@ from clerestory.scene.model import Scene
 from clerestory.scene.tint import Tint, without_tint
 from clerestory.spectra import Spectrum
 from clerestory.spectral.band_sets import band_means
+from clerestory.spectral.functions import (
+    WAVELENGTH_NM,
+    integral,
+    spectral_function,
+)
+from clerestory.spectral.light_colours import light_colour
 
 # Wavelengths that separate blue, green and red (Radiance color.h: WLPART) [nm]
 _GREEN_NM, _RED_NM = 480.0, 588.0
@@ -90,6 +96,35 @@ def in_bands(
             material = replace(material, bsdf=bsdf_in_bands(material.bsdf, bands))
         materials[name] = material
     return replace(scene, materials=materials, bands=bands)
+
+
+def emitting(scene: Scene, spectrum: Spectrum, bands: Bands) -> Scene:
+    """Return the light sources of an RGB scene in other bands, all of one spectrum.
+
+    Their luminance is kept; the power is zero beyond the wavelengths of the spectrum.
+    """
+    known, given = spectrum.wavelength_nm, spectrum.value
+    not_negative(given, "spectral power")
+    power = np.interp(WAVELENGTH_NM, known, given, left=0, right=0)
+    require(
+        integral(power * spectral_function("y")) > 0,
+        f"the spectrum has no visible light from {known[0]:g} to {known[-1]:g} nm;"
+        " spectral power of a lamp expected",
+    )
+    colour = light_colour(power, bands)
+    white = _with_radiance(scene, lambda rgb: np.full(3, float(RGB.shares @ rgb)))
+    return _with_radiance(in_bands(white, bands), lambda level: level * colour)
+
+
+def _with_radiance(scene: Scene, function: Callable[[Colour], Colour]) -> Scene:
+    # Scene with changed radiance of its light sources
+    materials = {
+        name: altered(material, radiance=function(material.radiance))
+        if isinstance(material, Emitter)
+        else material
+        for name, material in scene.materials.items()
+    }
+    return replace(scene, materials=materials)
 
 
 def _in_bands(

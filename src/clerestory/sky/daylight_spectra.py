@@ -21,6 +21,7 @@ from jaxtyping import Float
 from clerestory.argument_types import checked_fields
 from clerestory.array_types import Series
 from clerestory.checks import one_of, within
+from clerestory.sky.measured_spectra import MeasuredSpectra
 from clerestory.sky.sky_conditions import SkyConditions
 from clerestory.sky.sky_state import precipitable_water_cm
 from clerestory.sky.solar_position import day_of_year
@@ -67,6 +68,8 @@ class DaylightSpectra:
     aerosol_optical_depth : aerosol optical depth at 500 nm
     ozone_cm : ozone [atm-cm]
 
+    measured_sky, measured_sun : measured spectra in place of the models
+
     Precipitable water follows from the dew point of the weather data, as for luminous
     efficacy.
 
@@ -80,6 +83,8 @@ class DaylightSpectra:
     sun: SunColour = "spectrl2"
     aerosol_optical_depth: float = 0.1
     ozone_cm: float = 0.3
+    measured_sky: MeasuredSpectra | None = None
+    measured_sun: MeasuredSpectra | None = None
 
     def __post_init__(self) -> None:
         one_of(self.sky, "the colour of the sky", choices=SKY_COLOURS)
@@ -91,8 +96,8 @@ class DaylightSpectra:
     def attributes(self) -> dict[str, str | float]:
         """Provenance of a sky with these spectra."""
         return {
-            "sky_colour_model": self.sky,
-            "sun_spectrum": self.sun,
+            "sky_colour_model": "measured" if self.measured_sky else self.sky,
+            "sun_spectrum": "measured" if self.measured_sun else self.sun,
             "aerosol_optical_depth": self.aerosol_optical_depth,
             "ozone_cm": self.ozone_cm,
         }
@@ -133,7 +138,9 @@ def sun_spectra(
 
     The unit is W/(m²·nm·lux). Below the horizon the sun is taken at the horizon.
     """
-    if model.sun == "d65":
+    if model.measured_sun is not None:
+        found = model.measured_sun.at(weather.times, conditions.direct_normal > 0)
+    elif model.sun == "d65":
         found = np.tile(spectral_function("d65"), (len(weather), 1))
     else:
         found = _spectrl2(weather, conditions, model)

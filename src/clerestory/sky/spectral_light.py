@@ -30,6 +30,7 @@ from clerestory.spectral.functions import (
     integral,
     spectral_function,
 )
+from clerestory.spectral.light_colours import light_colour
 
 # Number of time steps that are computed at once
 _STEPS = 512
@@ -66,11 +67,13 @@ def sun_colours(
 ) -> LightColours:
     """Return the colour of the sun at each time step."""
     spectra = sun_spectra(weather, conditions, model)
-    light = _with_luminance_of_white(_colour(spectra.T, bands), bands)
-    power = conditions.direct_normal
+    return _sum_of_few(light_colour(spectra.T, bands), conditions.direct_normal)
+
+
+def _sum_of_few(light: Float[np.ndarray, "band time"], power: Series) -> LightColours:
+    # Colours of light, of luminance 1, as a sum of few; weak light may deviate more
     main = light @ power / power.sum() if power.any() else light.mean(axis=1)
 
-    # Weak light, such as that of the rising sun, may deviate more
     weight = np.sqrt(power / max(power.max(), np.finfo(float).tiny))
     rest = (light - main[:, None]) * weight
     left, size, right = np.linalg.svd(rest, full_matrices=False)
@@ -93,9 +96,11 @@ def with_spectra(
     sun: LightColours,
 ) -> SkyMatrix:
     """Return a white sky with the spectra of daylight, and a sun of given colours."""
+    if model.measured_sky is not None:
+        spectra = model.measured_sky.at(sky.times, conditions.lit)
+        return _with_one_colour(sky, conditions, model, spectra, sun)
     main, *others = _daylight_colours(sky.bands)
-    ground = np.ones(sky.colour.shape)
-    ground[:, 0] = sky.colour[:, 0]
+    ground = _ground(sky)
     diffuse = _chromatic_radiance(sky, conditions, model, np.array(others), main, sun)
     white = np.broadcast_to(np.float32(0), sky.diffuse.shape)
     dark = np.zeros(len(sky.bands)), np.zeros(len(sky.times))
@@ -119,6 +124,45 @@ def with_spectra(
         chromatic=tuple(parts),
         attributes={**sky.attributes, **model.attributes()},
     )
+
+
+def _with_one_colour(
+    sky: SkyMatrix,
+    conditions: SkyConditions,
+    model: DaylightSpectra,
+    spectra: Float[np.ndarray, "time wavelength"],
+    sun: LightColours,
+) -> SkyMatrix:
+    # Sky of one measured spectrum at each time step; the ground reflects it and the sun
+    light = light_colour(spectra.T, sky.bands)
+    power = np.append(conditions.diffuse_horizontal, conditions.direct_normal)
+    both = _sum_of_few(np.append(light, sun.values(), axis=1), power)
+    of_sky, of_sun = np.split(both.shares, 2, axis=1)
+    direct = conditions.direct_horizontal()
+    level = np.maximum(direct + conditions.diffuse_horizontal, np.finfo(float).tiny)
+    share = direct / level
+    ground, parts = _ground(sky), []
+    for colour, own, suns in zip(both.colours, of_sky, of_sun, strict=True):
+        diffuse = sky.diffuse * own.astype(np.float32)
+        diffuse[0] = sky.diffuse[0] * ((1 - share) * own + share * suns)
+        tinted = ground * colour[:, None]
+        parts.append(
+            ChromaticPart(diffuse, tinted, scaled_steps(sky.sun, suns), colour)
+        )
+    return replace(
+        sky,
+        colour=ground * both.main[:, None],
+        sun_colour=both.main,
+        chromatic=tuple(parts),
+        attributes={**sky.attributes, **model.attributes()},
+    )
+
+
+def _ground(sky: SkyMatrix) -> Float[np.ndarray, "band patch"]:
+    # Reflectance of the ground in each band, and 1 for the patches of the sky
+    found = np.ones(sky.colour.shape)
+    found[:, 0] = sky.colour[:, 0]
+    return found
 
 
 def scaled_steps(matrix: csc_array, factor: Series) -> csc_array:
@@ -164,8 +208,8 @@ def _chromatic_radiance(
 def _daylight_colours(bands: Bands) -> list[Float[np.ndarray, " band"]]:
     # Colours of S0, with the luminance of white, and of S1 and S2 without luminance
     lumen = MAXIMUM_EFFICACY * integral(_component(0) * spectral_function("y"))
-    main, *others = (_colour(_component(k) / lumen, bands) for k in range(3))
-    main = _with_luminance_of_white(main, bands)
+    main = light_colour(_component(0), bands)
+    others = [_colour(_component(k) / lumen, bands) for k in (1, 2)]
     if bands.efficacy is None:
         return [main, *others]
     weights = bands.weights
@@ -181,12 +225,3 @@ def _colour(
 ) -> Float[np.ndarray, " band *batch"]:
     # Factor on white light of the same luminance, from spectral power per lumen
     return light_in_bands(LUMINOUS_EFFICACY * per_lumen, bands)
-
-
-def _with_luminance_of_white(
-    light: Float[np.ndarray, " band *batch"], bands: Bands
-) -> Float[np.ndarray, " band *batch"]:
-    # Mean values in broad bands change the luminance
-    if bands.efficacy is None:
-        return light
-    return light * LUMINOUS_EFFICACY / np.tensordot(bands.weights, light, axes=1)

@@ -148,11 +148,8 @@ def mean_weights(
     """
     if bands.limits_nm is not None:
         limits = np.array(bands.limits_nm)
-        means = [
-            np.diff(_antiderivative(wavelength_nm, one, limits), axis=1)[:, 0]
-            for one in np.eye(len(wavelength_nm))
-        ]
-        return np.asarray(np.stack(means, axis=1) / np.diff(limits, axis=1))
+        area = _antiderivative(wavelength_nm, np.eye(len(wavelength_nm)), limits)
+        return np.asarray(np.diff(area, axis=1)[:, 0] / np.diff(limits, axis=1))
     inside = (wavelength_nm > 380) & (wavelength_nm < 780)
     fine = np.union1d(WAVELENGTH_NM, wavelength_nm[inside])
     step = np.diff(fine)
@@ -270,20 +267,30 @@ def _at(wavelength_nm: np.ndarray, name: str) -> np.ndarray:
 
 
 def _antiderivative(
-    known_nm: np.ndarray,
-    values: np.ndarray,
-    at_nm: np.ndarray,
+    known_nm: Float[np.ndarray, " known"],
+    values: Float[np.ndarray, " known *batch"],
+    at_nm: Float[np.ndarray, "*shape"],
     *,
     beyond: float | None = None,
 ) -> np.ndarray:
-    # Integral of the linear interpolation, from the first wavelength to others; beyond
-    # both ends the function has its last value, or the value `beyond`
-    step = np.diff(known_nm)
-    whole = np.append(0.0, np.cumsum(step * (values[1:] + values[:-1]) / 2))
+    # Integral of the linear interpolation, from the first wavelength to others, over
+    # (*shape, *batch); beyond both ends the function has its last value, or `beyond`
+    batch = (1,) * (values.ndim - 1)
+
+    def column(numbers: np.ndarray) -> np.ndarray:
+        return numbers.reshape(*numbers.shape, *batch)
+
+    step = column(np.diff(known_nm))
+    parts = step * (values[1:] + values[:-1]) / 2
+    whole = np.concatenate([np.zeros_like(values[:1]), np.cumsum(parts, axis=0)])
     inside = np.clip(at_nm, known_nm[0], known_nm[-1])
-    start = np.clip(np.searchsorted(known_nm, inside, "right") - 1, 0, len(values) - 1)
-    part = (values[start] + np.interp(inside, known_nm, values)) / 2
-    area = whole[start] + part * (inside - known_nm[start])
+    last = len(known_nm) - 1
+    start = np.clip(np.searchsorted(known_nm, inside, "right") - 1, 0, last)
+    after = np.minimum(start + 1, last)
+    way = inside - known_nm[start]
+    share = column(way / np.where(after > start, known_nm[after] - known_nm[start], 1))
+    end = values[start] + share * (values[after] - values[start])
+    area = whole[start] + (values[start] + end) / 2 * column(way)
     low, high = (values[0], values[-1]) if beyond is None else (beyond, beyond)
-    area += np.minimum(at_nm - known_nm[0], 0) * low
-    return np.asarray(area + np.maximum(at_nm - known_nm[-1], 0) * high)
+    area += column(np.minimum(at_nm - known_nm[0], 0)) * low
+    return np.asarray(area + column(np.maximum(at_nm - known_nm[-1], 0)) * high)

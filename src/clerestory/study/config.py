@@ -11,6 +11,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from pydantic_core import PydanticCustomError
 
+from clerestory.bands import RGB
 from clerestory.checks import require
 from clerestory.documents import Table, toml_tables, validated
 from clerestory.engine.device import Device
@@ -176,6 +177,12 @@ class Study(Table):
             f'"spectral" with the bands "{self.scene.bands}"; bands such as'
             ' "melanopic+photopic" or "20" expected',
         )
+        for lamp in self.luminaire:
+            require_rule(
+                lamp.spectrum is None or bands != RGB,
+                f'luminaire "{lamp.label}" has a spectrum, with the bands "RGB"; bands'
+                ' such as "melanopic+photopic" or "20" expected',
+            )
         for window in self.window:
             require_rule(
                 not (window.control and window.control.melanopic)

@@ -16,7 +16,6 @@ from clerestory.documents import Table
 from clerestory.engine.device import Device
 from clerestory.errors import InputError
 from clerestory.escaping import printable
-from clerestory.files import is_file
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
 from clerestory.scene.scaling import METRES, Unit
@@ -24,19 +23,8 @@ from clerestory.sky.daylight_spectra import SkyColour, SunColour
 from clerestory.sky.solar_position import SunFormula
 from clerestory.sky.station_file import MeasuredTable, SiteTable
 from clerestory.spectral.band_sets import band_set
-
-
-def input_file(value: Any, info: Any) -> Any:
-    """Return the path of a file that must exist, given relative to the study."""
-    if not isinstance(value, str) or not value:
-        raise PydanticCustomError("file", "the name of a file in quotes")
-    path: Path = (info.context or {}).get("folder", Path()) / value
-    if not is_file(path):
-        raise PydanticCustomError("file", "the name of a file that exists")
-    return path
-
-
-InputFile = Annotated[Path, BeforeValidator(input_file)]
+from clerestory.spectral.material_library import material_spectrum
+from clerestory.study.file_fields import InputFile, file_or_name
 
 _MOMENT = r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])T([01]\d|2[0-3]):[0-5]\d$"
 EVERY = "every"
@@ -102,7 +90,9 @@ class SpectrumTable(Table):
     """Spectrum of a material, in place of its colour in the scene files."""
 
     material: str = Field(min_length=1, description="the name of a material")
-    file: InputFile = Field(description="a file of wavelengths [nm] and values")
+    file: Annotated[Path, file_or_name(material_spectrum)] = Field(
+        description="a file of wavelengths [nm] and values, or library:NAME"
+    )
 
 
 def _known_bands(name: str) -> str:
@@ -236,6 +226,12 @@ class DaylightTable(Table):
     sun: SunColour = "spectrl2"
     aerosol_optical_depth: float = Field(0.1, ge=0, le=5)
     ozone_cm: float = Field(0.3, ge=0, le=1)
+    sky_file: InputFile | None = Field(
+        None, description="a file of measured spectra of the sky (.csv)"
+    )
+    sun_file: InputFile | None = Field(
+        None, description="a file of measured spectra of the sun (.csv)"
+    )
 
 
 class SkyTable(Table):

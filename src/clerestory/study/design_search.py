@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float
-from scipy import stats
 
 from clerestory.brief_repr import brief
 from clerestory.checks import require
@@ -113,7 +113,7 @@ def candidates(variant: str, job: Job, table: OptimiseTable) -> Candidates:
 def _values(ends: np.ndarray, table: OptimiseTable) -> np.ndarray:
     # Sobol' points, and the corners of the ranges
     count = len(ends)
-    sequence = stats.qmc.Sobol(count, rng=np.random.default_rng(table.seed))
+    sequence = scipy.stats.qmc.Sobol(count, rng=np.random.default_rng(table.seed))
     points = sequence.random(table.candidates)
     if count <= _CORNERS:
         corners = list(itertools.product((0.0, 1.0), repeat=count))

@@ -110,15 +110,21 @@ def _reading(
 def _dataset(
     lamps: Lamps, uses: Sequence[LightingUse], varied: Float[np.ndarray, "_ zone"]
 ) -> xr.Dataset:
+    units = {"units": "lux"}
     axes, output = ("zone", "time"), np.stack([use.output for use in uses])
     lux = (lamps.illuminance.T @ output).astype(np.float32)
     power = np.stack([use.power for use in uses]).astype(np.float32)
     energy = np.array([use.energy for use in uses])
     parts = metric_components(energy, list(varied))
     names = np.array([zone.table.label for zone in lamps.zones], dtype=str)
+    melanopic = {}
+    if lamps.melanopic is not None:
+        edi = (lamps.melanopic.T @ output).astype(np.float32)
+        melanopic = {"electric_melanopic_edi": (("sensor", "time"), edi, units)}
     return xr.Dataset(
         {
-            "electric_illuminance": (("sensor", "time"), lux, {"units": "lux"}),
+            **melanopic,
+            "electric_illuminance": (("sensor", "time"), lux, units),
             "dimming": (axes, output.astype(np.float32), {"units": "1"}),
             "lighting_power": (axes, power, {"units": "W"}),
             "lighting_energy": ("zone", energy, {"units": "Wh"}),

@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from clerestory.documents import Table
-from clerestory.study.config_tables import InputFile, require_rule
+from clerestory.study.config_tables import require_rule
+from clerestory.study.file_fields import InputFile
 
 Name = Annotated[str, Field(min_length=1, max_length=100)]
 

@@ -100,6 +100,24 @@ def melanopic_results(
     return found.merge(_joined(parts)).assign_attrs(parts[0].attrs)
 
 
+def melanopic_days_with(
+    hourly: xr.Dataset,
+    electric: xr.DataArray,
+    hours: Bool[np.ndarray, " time"],
+    *,
+    step_hours: float,
+) -> xr.Dataset:
+    """Return the shares of days with daylight and electric light, as `total_…`."""
+    total = hourly.assign(illuminance=hourly["illuminance"] + electric)
+    days = [
+        f"{name}{ending}"
+        for name in ("melanopic_days", "low_melanopic_days")
+        for ending in ("", "_error", "_components")
+    ]
+    found = melanopic_results(total, hours, step_hours=step_hours)[days]
+    return found.rename({name: f"total_{name}" for name in days})
+
+
 def _blocks(hourly: xr.Dataset) -> Iterator[slice]:
     # Blocks of sensors, as hourly results may be in a file
     for first in range(0, hourly.sizes["sensor"], _SENSORS):

@@ -71,36 +71,30 @@ def _hourly(
     rows: Int[np.ndarray, " eye"],
     states: States,
 ) -> xr.Dataset:
-    # Time steps of equal shade states at once: products V T D S are then computed as
-    # (V T D) S, which takes fewer operations for few eyes
     matrices, steps = signals.matrices, len(signals.times)
-    chosen = np.reshape([np.asarray(one) for one in states], (len(states), steps))
-    kinds, kind = np.unique(chosen, axis=1, return_inverse=True)
+    product = BlockwiseProduct(
+        matrices.windows,
+        matrices.terms,
+        signals.skies,
+        states,
+        np.eye(len(quantities.bands)),
+        len(sensor_labels(signals.inputs)),
+        summed=True,
+    )
     held: dict[str, np.ndarray] = {}
-    for number, fixed in enumerate(kinds.T):
-        own = np.flatnonzero(kind.ravel() == number)
-        product = BlockwiseProduct(
-            matrices.windows,
-            matrices.terms,
-            signals.skies.select(own),
-            [np.full(len(own), state) for state in fixed],
-            np.eye(len(quantities.bands)),
-            len(sensor_labels(signals.inputs)),
-            summed=True,
-        )
-        for block in product.blocks():
-            inside = (rows >= block.rows.start) & (rows < block.rows.stop)
-            if inside.any() and len(block.steps):
-                eyes = np.flatnonzero(inside)
-                _put(
-                    held,
-                    block,
-                    rows[eyes] - block.rows.start,
-                    eyes,
-                    quantities,
-                    times=own[block.times.start + block.steps],
-                    shape=(len(rows), steps),
-                )
+    for block in product.blocks():
+        inside = (rows >= block.rows.start) & (rows < block.rows.stop)
+        if inside.any() and len(block.steps):
+            eyes = np.flatnonzero(inside)
+            _put(
+                held,
+                block,
+                rows[eyes] - block.rows.start,
+                eyes,
+                quantities,
+                times=block.times.start + block.steps,
+                shape=(len(rows), steps),
+            )
     return xr.Dataset({name: _variable(name, x) for name, x in held.items()})
 
 

@@ -6,12 +6,12 @@ from pydantic import Field, model_validator
 
 from clerestory.metrics.lighting_energy import Control
 from clerestory.study.config_tables import (
-    InputFile,
     Named,
     NamedFile,
     Place,
     require_rule,
 )
+from clerestory.study.file_fields import InputFile
 
 
 class LuminaireTable(NamedFile):
@@ -28,6 +28,9 @@ class LuminaireTable(NamedFile):
     output: float = Field(1.0, gt=0, le=10)
     power: float | None = Field(None, gt=0)
     zone: str = ""
+    spectrum: InputFile | None = Field(
+        None, description="a file of wavelengths [nm] and spectral power"
+    )
 
     @property
     def photometric(self) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.checks import require
+from clerestory.errors import located
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
 from clerestory.image.camera import Camera
@@ -18,10 +19,14 @@ from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.rendering import irradiance, render
 from clerestory.radiance.rad_reader import read_rad
+from clerestory.scene.band_conversion import emitting
 from clerestory.scene.material import altered
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.sensors import Sensors
+from clerestory.spectral.alpha_opic import edi_weights
+from clerestory.spectral.band_sets import gives
+from clerestory.spectral.spectrum_file import read_spectrum
 from clerestory.study.job import LAMPS, Job
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 
@@ -40,6 +45,7 @@ class Lamps:
     """Illuminance and pixel radiance due to each lighting zone at full output.
 
     `views` has the radiance (pixel, channel) due to each zone, by view name.
+    `melanopic` is the melanopic EDI; None unless all luminaires have spectra.
     """
 
     zones: tuple[Zone, ...] = ()
@@ -47,6 +53,7 @@ class Lamps:
         default_factory=lambda: np.zeros((0, 0))
     )
     views: dict[str, tuple[np.ndarray, ...]] = field(default_factory=dict)
+    melanopic: Float[np.ndarray, "zone sensor"] | None = None
 
 
 def trace_lamps(job: Job) -> Lamps:
@@ -55,14 +62,20 @@ def trace_lamps(job: Job) -> Lamps:
     if not zones:
         return Lamps()
     room = unlit(job.scene)
-    lux = np.stack([_sensors(job, room, zone, n) for n, zone in enumerate(zones)])
+    light = [_sensors(job, room, zone, n) for n, zone in enumerate(zones)]
+    lux = np.stack([_weighted(one, one.bands.weights) for one in light])
+    melanopic, bands = None, room.bands
+    spectra = all(lamp.spectrum is not None for lamp in job.study.luminaire)
+    if spectra and gives(bands, "melanopic"):
+        weights = edi_weights(bands, "melanopic")
+        melanopic = np.stack([_weighted(one, weights) for one in light])
     views = {
         table.label: tuple(
             _pixels(job, room, zone, n, view) for n, zone in enumerate(zones)
         )
         for view, table in enumerate(job.study.view)
     }
-    return Lamps(zones, lux, views)
+    return Lamps(zones, lux, views, melanopic)
 
 
 def unlit(scene: Scene) -> Scene:
@@ -72,7 +85,7 @@ def unlit(scene: Scene) -> Scene:
         if isinstance(material, Illum):
             return dark(altered(material.alternate, name=material.name))
         if isinstance(material, Emitter):
-            return Plastic(material.name, np.zeros(3))
+            return Plastic(material.name, np.zeros(len(scene.bands)))
         return material
 
     materials = {name: dark(material) for name, material in scene.materials.items()}
@@ -84,6 +97,10 @@ def _zone(job: Job, table: LightingTable) -> Zone:
     for lamp in job.study.luminaire:
         if lamp.zone == table.label or not lamp.zone:
             part, watts = _luminaires(lamp, job.study.scene.metres)
+            if lamp.spectrum is not None:
+                with located(file=lamp.spectrum):
+                    spectrum = read_spectrum(lamp.spectrum)
+                    part = emitting(part, spectrum, job.scene.bands)
             light, power = light + part, power + watts
     message = f'lighting "{table.label}" has no luminaires; one or more expected'
     require(light.surfaces, message)
@@ -130,15 +147,20 @@ def _emitters(table: LuminaireTable, metres: float) -> Scene:
     return Scene(materials, scene.surfaces, bands=scene.bands)
 
 
-def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> np.ndarray:
+def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
     name = zone.table.label
-    matrix = job.matrix(
+    return job.matrix(
         f"lamps-{name}",
         partial(_sensor_matrix, room + zone.light, job.inputs.sensors()),
         job.effort(LAMPS + number),
         shown=f"electric light of {name or 'the room'}",
     )
-    return matrix.weighted(matrix.bands.weights).values[0, :, 0]
+
+
+def _weighted(
+    light: TransferMatrix, weights: Float[np.ndarray, " band"]
+) -> Float[np.ndarray, " sensor"]:
+    return np.asarray(light.weighted(weights).values[0, :, 0])
 
 
 def _sensor_matrix(scene: Scene, sensors: Sensors, **how: Any) -> TransferMatrix:

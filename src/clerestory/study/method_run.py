@@ -44,7 +44,11 @@ from clerestory.study.illuminance_by_state import every_state, results_by_state
 from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.labels import label_results, melanopic_results
+from clerestory.study.labels import (
+    label_results,
+    melanopic_days_with,
+    melanopic_results,
+)
 from clerestory.study.light_spectra import light_spectra
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
@@ -180,7 +184,7 @@ def _simulate(
         grids = _view_grids(points, signals, acts.states, out=out, display=display)
     with log.phase("metrics"):
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
-        parts += _melanopic(matrices, signals, acts.states)
+        parts += _melanopic(matrices, signals, acts.states, electric)
         parts.append(sensitivity_results(signals, acts.states, hourly))
         parts.append(light_spectra(signals, acts.states, hourly["illuminance"]))
         parts.append(results_by_state(signals))
@@ -198,14 +202,24 @@ def _simulate(
 
 
 def _melanopic(
-    matrices: StudyMatrices, signals: ControlInputs, states: States
+    matrices: StudyMatrices,
+    signals: ControlInputs,
+    states: States,
+    electric: xr.Dataset,
 ) -> list[xr.Dataset]:
-    # Melanopic light of the sky and the sun, if the bands give it
+    # Melanopic light of the sky and the sun, if the bands give it, and days with that
+    # of luminaires added
     if not gives(signals.skies.whole.bands, "melanopic"):
         return []
     hourly = matrices.melanopic_edi(signals.skies, states)
     hours = signals.step_minutes / 60
-    return [melanopic_results(hourly, signals.occupied, step_hours=hours)]
+    found = [melanopic_results(hourly, signals.occupied, step_hours=hours)]
+    if "electric_melanopic_edi" in electric:
+        added = electric["electric_melanopic_edi"]
+        found.append(
+            melanopic_days_with(hourly, added, signals.occupied, step_hours=hours)
+        )
+    return found
 
 
 def _view_grids(

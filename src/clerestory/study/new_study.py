@@ -2,15 +2,16 @@
 
 import importlib.resources
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from clerestory.checks import one_of, require
+from clerestory.constants import LIBRARY_PREFIX
 from clerestory.errors import ClerestoryWarning
 from clerestory.escaping import toml_value
 from clerestory.files import make_folder, replace_file, write_text
-from clerestory.library.bsdf_source import PREFIX, is_library_name, read_bsdf
+from clerestory.library.bsdf_source import is_library_name, read_bsdf
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import format_view
 from clerestory.radiance.window_reader import Pane, read_panes
@@ -25,7 +26,12 @@ from clerestory.scene.view import View
 from clerestory.scene.window import Window
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study import study_files
-from clerestory.study.new_windows import NewWindow, Panes, sorted_windows
+from clerestory.study.new_windows import (
+    NewWindow,
+    Panes,
+    faces_left_out,
+    sorted_windows,
+)
 
 STUDY_FILE, SENSOR_FILE, VIEW_FILE = "study.toml", "workplane.pts", "desk.vf"
 
@@ -33,7 +39,7 @@ STUDY_FILE, SENSOR_FILE, VIEW_FILE = "study.toml", "workplane.pts", "desk.vf"
 WINDOW_FILE = "panes.rad"
 
 # Glazing of windows for which no BSDF is given
-GLAZING = f"{PREFIX}double-lowe-6"
+GLAZING = f"{LIBRARY_PREFIX}double-lowe-6"
 
 _HEAD = """# Paths are relative to this file; docs/study-file.md explains every key.
 # rotation_deg is the azimuth of the +y axis of the scene, clockwise from north.
@@ -49,7 +55,10 @@ _DEMO_BLIND = ("FLEXLAB test room, venetian blind", "venetian_blind.xml")
 
 @dataclass(frozen=True)
 class NewStudy:
-    """Study file, numbers of sensors, rooms, windows and views; reversed windows."""
+    """Study file, numbers of sensors, rooms, windows and views; reversed windows.
+
+    `faces` is the number of faces that are left out, by name of the panes.
+    """
 
     study: Path
     sensors: int
@@ -57,6 +66,7 @@ class NewStudy:
     rooms: int = 1
     views: int = 0
     windows: int = 1
+    faces: Mapping[str, int] = field(default_factory=dict)
 
 
 def begin_study(
@@ -80,10 +90,12 @@ def begin_study(
     along and towards the façade, for pictures and glare.
 
     Panes are the polygons of the files `windows`, or those of the materials `glazing`
-    in the scene. Panes whose back faces the room are turned in a copy; those of several
-    rooms or orientations are written as several windows. Warnings are issued for
-    probable mistakes, such as glazing left in the scene. `units` is the unit of length
-    of the scene, the windows and the sensors; `spacing` and `height` are in metres.
+    in the scene. Of panes modelled as solids, or as parallel faces up to 0.1 m apart,
+    the face towards the room is used. Panes whose back faces the room are turned in a
+    copy; those of several rooms or orientations are written as several windows.
+    Warnings are issued for probable mistakes, such as glazing left in the scene.
+    `units` is the unit of length of the scene, the windows and the sensors; `spacing`
+    and `height` are in metres.
     """
     one_of(units, "units", choices=METRES)
     metres = METRES[units]
@@ -104,6 +116,7 @@ def begin_study(
     groups, rooms = sorted_windows(
         room, files, metres=metres, grid=None if sensors and not views else grid
     )
+    out = faces_left_out(files, groups)
     every = [group for found in groups.values() for group in found]
     warn_of_scene(room, [scaled(group.window, metres) for group in every])
     grids = (
@@ -119,7 +132,12 @@ def begin_study(
     shown = [
         file
         for given, found in groups.items()
-        for file in _files(folder, given, found, copied=bool(glazing))
+        for file in _files(
+            folder,
+            given,
+            found,
+            copied=bool(glazing) or any(file == given for file, _ in out),
+        )
     ]
     kept: list[str | Path] = [] if sensors is None else [sensors]
     if sensors is None:
@@ -159,6 +177,7 @@ def begin_study(
         rooms=len(rooms) or 1,
         views=len(seen),
         windows=len(every),
+        faces={name: count for (_, name), count in out.items()},
     )
 
 
@@ -180,7 +199,9 @@ def _panes(
 def _files(
     folder: Path, given: Path, found: Sequence[NewWindow], *, copied: bool
 ) -> list[Path]:
-    # The given file, a copy with panes turned, or a file for each window group
+    # The given file, a copy with panes changed, or a file for each window group
+    if not found:
+        return []
     copied |= any(group.turned for group in found)
     if all(group.whole for group in found):
         if copied:
@@ -249,7 +270,7 @@ def write_demo(folder: str | Path, *, bsdf: str | Path | None = None) -> Path:
 
 def _replace_blind(study: Path, bsdf: str | Path) -> None:
     # Another BSDF, and its name in the title of the demo study
-    path, name = str(bsdf), Path(bsdf).stem.removeprefix(PREFIX)
+    path, name = str(bsdf), Path(bsdf).stem.removeprefix(LIBRARY_PREFIX)
     if not is_library_name(bsdf):
         path = study_files.relative_path(bsdf, study.parent)
     title, file = _DEMO_BLIND

@@ -1,8 +1,9 @@
 """Window groups of a new study: panes sorted by room and orientation.
 
-Modellers export the panes of a whole building under one material. Panes whose back
-faces the room are turned, and those of one room and one normal form a window group,
-which can have shades of its own.
+Modellers export the panes of a whole building under one material. Of panes with
+several faces, the one towards the room is used. Panes whose back faces the room are
+turned, and those of one room and one normal form a window group, which can have shades
+of its own.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,6 +18,7 @@ from clerestory.scene.floor_grid import room_side
 from clerestory.scene.model import Scene
 from clerestory.scene.room_grids import RoomGrid, room_grids
 from clerestory.scene.scaling import scaled
+from clerestory.scene.solid_panes import edges_of_panes, faces_behind_others
 from clerestory.scene.window import Window
 
 # Smallest cosine between the normals of panes of one window group
@@ -44,7 +46,10 @@ class NewWindow:
 
 @dataclass(eq=False)
 class _Placed:
-    # Pane that faces the room, its window in metres, and whether it was turned
+    # Pane that faces the room, its file and modifier, its window in metres, and whether
+    # it was turned
+    file: Path
+    name: str
     pane: Pane
     window: Window
     turned: bool
@@ -63,20 +68,24 @@ def sorted_windows(
     `scene` [m] has no panes, `metres` is the unit of the files. `grid` has spacing and
     height of the sensors [m]; rooms are not told apart without it.
     """
-    placed = {
-        file: {
-            name: list(_facing_room(scene, name, own, metres=metres))
-            for name, own in panes.items()
-        }
-        for file, panes in files.items()
-    }
-    every = [p for own in placed.values() for found in own.values() for p in found]
-    rooms = _rooms(scene, every, grid) if grid else []
+    placed = _inner_faces(
+        [
+            each
+            for file, name, panes in _without_edges(files, metres)
+            for each in _facing_room(scene, file, name, panes, metres=metres)
+        ]
+    )
+    rooms = _rooms(scene, placed, grid) if grid else []
     groups = {
         file: [
-            group for name, own in panes.items() for group in _groups(name, own, metres)
+            group
+            for name in panes
+            for group in _groups(
+                name,
+                [each for each in placed if (each.file, each.name) == (file, name)],
+            )
         ]
-        for file, panes in placed.items()
+        for file, panes in files.items()
     }
     return groups, [
         replace(room, windows=tuple(_of_room(groups, number, metres)))
@@ -84,8 +93,37 @@ def sorted_windows(
     ]
 
 
+def faces_left_out(
+    files: Mapping[Path, Panes], groups: Mapping[Path, Sequence[NewWindow]]
+) -> dict[tuple[Path, str], int]:
+    """Return how many faces of panes no window group has, by file and modifier."""
+    given = {
+        (f, name): len(own) for f, panes in files.items() for name, own in panes.items()
+    }
+    for file, found in groups.items():
+        for group in found:
+            given[file, group.window.name] -= len(group.window.polygons)
+    return {key: count for key, count in given.items() if count}
+
+
+def _without_edges(
+    files: Mapping[Path, Panes], metres: float
+) -> Iterator[tuple[Path, str, list[Pane]]]:
+    # Panes by file and modifier, without the edges of solid panes
+    every = [p for own in files.values() for panes in own.values() for p in panes]
+    edges = iter(edges_of_panes([p.polygon.vertices * metres for p in every]))
+    for file, own in files.items():
+        for name, panes in own.items():
+            yield file, name, [pane for pane in panes if not next(edges)]
+
+
+def _inner_faces(placed: Sequence[_Placed]) -> list[_Placed]:
+    behind = faces_behind_others([each.window for each in placed])
+    return [each for each, out in zip(placed, behind, strict=True) if not out]
+
+
 def _facing_room(
-    scene: Scene, name: str, panes: Sequence[Pane], *, metres: float
+    scene: Scene, file: Path, name: str, panes: Sequence[Pane], *, metres: float
 ) -> Iterator[_Placed]:
     for pane in panes:
         window = scaled(window_of_panes(name, [pane]), metres)
@@ -94,7 +132,7 @@ def _facing_room(
             outline = pane.polygon.vertices[::-1]
             pane = replace(pane, polygon=replace(pane.polygon, vertices=outline))
             window = scaled(window_of_panes(name, [pane]), metres)
-        yield _Placed(pane, window, turned)
+        yield _Placed(file, name, pane, window, turned)
 
 
 def _rooms(
@@ -113,7 +151,7 @@ def _rooms(
     return rooms
 
 
-def _groups(name: str, panes: Sequence[_Placed], metres: float) -> Iterator[NewWindow]:
+def _groups(name: str, panes: Sequence[_Placed]) -> Iterator[NewWindow]:
     waiting = list(panes)
     while waiting:
         first = waiting[0]

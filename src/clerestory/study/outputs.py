@@ -60,6 +60,8 @@ _MELANOPIC = (
     ("low_melanopic_days_error", "days of 136 lux, standard error [%]", 100),
     ("melanopic_days", "days of melanopic light by noon [%]", 100),
     ("melanopic_days_error", "days of melanopic light, standard error [%]", 100),
+    ("total_melanopic_days", "days of melanopic light with electric light [%]", 100),
+    ("total_low_melanopic_days", "days of 136 lux with electric light [%]", 100),
 )
 
 # Columns of metrics.csv for standards
@@ -155,7 +157,9 @@ def write_metrics(results: Results, path: str | Path) -> None:
     table[["dx", "dy", "dz"]] = data["direction"]
     for name, heading, factor in _METRICS:
         table[heading] = factor * data[name]
-    for name, heading, factor in _MELANOPIC if "melanopic_edi" in data else ():
+    for name, heading, factor in _MELANOPIC:
+        if name not in data:
+            continue
         table[heading] = factor * data[name]
     for name, heading in _OF_STANDARDS.items():
         if name in data and data[name].dims == ("sensor",):

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 
 from clerestory.documents import Table
-from clerestory.study.config_tables import InputFile
+from clerestory.study.file_fields import InputFile
 from clerestory.study.title_block import TitleBlock
 
 Line = Annotated[

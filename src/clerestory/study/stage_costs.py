@@ -160,21 +160,23 @@ class StageWork:
 
     def _pictures(self) -> StageCost:
         # Computed pictures, glare, and files of the selected time steps
-        seconds, computed, files, size = 0.0, 0, 0, 0.0
+        seconds, rated, files, size = 0.0, 0, 0, 0.0
         groups = self.inputs.groups if self.study.output.by_state else ()
         states = max((len(group.states) for group in groups), default=0)
         for view in self.views:
             kept, seen = picture_steps(view, self.skies.times, self._lit)
             bands, pixels = len(self.inputs.scene.bands), len(view.camera)
             if sees_glare(view.camera.view):
+                rated += len(seen)
                 seconds += self._view(view, len(seen), errors=True)
                 seconds += states * self._view(view, len(seen), errors=False)
             seconds += self._pixels(view, len(kept), bands=bands, errors=False)
             seconds += len(kept) * np.dot(_PICTURE, (1, pixels))
-            computed, files = computed + len(seen), files + len(kept)
+            files += len(kept)
             size += len(kept) * (_PIXEL * pixels + _HEADER)
-        work = f"{computed:,} computed, {files:,} written" if self.views else ""
-        return StageCost(work, seconds, files, round(size))
+        words = [f"glare at {rated:,} steps"] if rated else []
+        words += [f"{files:,} pictures"] if files else []
+        return StageCost(", ".join(words), seconds, files, round(size))
 
     def _control(self, product: float, direct: float) -> float:
         # Seconds for illuminance and glare of each shade state, if a rule needs them
@@ -243,10 +245,12 @@ def _product(
     # Seconds for a term of the matrix equation, of pictures with `together` time steps
     # in a block and `samples` paths per pixel
     short = found[0].factors and isinstance(found[0].receiving[0], TransferMatrix)
-    short = short and all(chain.states == 1 for chain in found)
-    short = bool(short and coefficients_cost_less(found, rows, steps))
     # Pictures are computed separately for each combination of shade states
     combinations = 1 + sum(chain.states - 1 for chain in found)
+    if short:
+        kinds = [[chain.at(0) for chain in found]] * combinations
+        counts = np.full(combinations, steps // combinations)
+        short = coefficients_cost_less(kinds, rows, counts)
     blocks = max(combinations, steps / together) if together else 1
     seconds = 0.0
     for chain in found:
@@ -260,6 +264,7 @@ def _product(
             channels, patches = max(channels, bands, len(T.values)), T.rows.size
             whole = D.columns.size * D.rows.size * len(D.values)
             if short:
+                whole *= combinations
                 seconds += layers * rows * channels * whole * _WINDOW
                 seconds += layers * rows * D.columns.size * steps * _SKY
             else:

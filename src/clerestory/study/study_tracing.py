@@ -35,6 +35,7 @@ from clerestory.phases.traced_matrices import (
     view_matrices,
 )
 from clerestory.sky.daylight_spectra import DaylightSpectra
+from clerestory.sky.measured_spectra import read_measured_spectra
 from clerestory.sky.sky_conditions import Spectrum
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
@@ -129,7 +130,13 @@ def _daylight_spectra(study: Study) -> DaylightSpectra | None:
     # Spectra of sky and sun; none in RGB
     if band_set(study.scene.bands) == RGB:
         return None
-    return DaylightSpectra(**study.sky.daylight.model_dump())
+    table = study.sky.daylight
+    sky, sun = (
+        None if file is None else read_measured_spectra(file)
+        for file in (table.sky_file, table.sun_file)
+    )
+    models = table.model_dump(exclude={"sky_file", "sun_file"})
+    return DaylightSpectra(**models, measured_sky=sky, measured_sun=sun)
 
 
 def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:

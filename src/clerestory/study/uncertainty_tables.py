@@ -18,7 +18,8 @@ from typing import Annotated, Literal, NamedTuple, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from clerestory.documents import Number, Positive, Table
-from clerestory.study.config_tables import InputFile, Named, require_rule
+from clerestory.study.config_tables import Named, require_rule
+from clerestory.study.file_fields import InputFile
 
 Kind = Literal[
     "reflectance",

@@ -19,6 +19,7 @@ from clerestory.brief_repr import brief
 from clerestory.checks import require, same_length
 from clerestory.glare.view_grid_metrics import DISTURBING, view_figures
 from clerestory.metrics.climate_based_metrics import USEFUL_RANGES
+from clerestory.metrics.compliance import Verdict
 from clerestory.metrics.occupied_hours import within_hours
 from clerestory.metrics.replicates import errors_of, metric_components
 from clerestory.metrics.space import direct_sun
@@ -28,6 +29,7 @@ from clerestory.metrics.spatial_metrics import (
     area_share,
     sunlight_exposure,
 )
+from clerestory.study.compliance_table import assessments_of
 from clerestory.study.results import Results
 from clerestory.study.view_grid_outputs import view_grids
 
@@ -85,13 +87,15 @@ class VariantFigure:
 class RunFigures:
     """Figures of merit of one run or variant, with its settings in a sweep.
 
-    `sensors` has grid, position and daylight autonomy of each sensor.
+    `sensors` has grid, position and daylight autonomy of each sensor, `verdicts` those
+    on all spaces by standard and criterion.
     """
 
     name: str
     figures: tuple[VariantFigure, ...]
     settings: Mapping[str, str] = field(default_factory=dict)
     sensors: xr.Dataset = field(default_factory=xr.Dataset)
+    verdicts: Mapping[tuple[str, str], Verdict] = field(default_factory=dict)
 
     __repr__ = brief
 
@@ -113,7 +117,12 @@ def run_figures(
         *_energy(data),
     )
     sensors = data[["daylight_autonomy", "grid", "position", "direction"]].load()
-    return RunFigures(name, figures, settings or {}, sensors)
+    verdicts = {
+        (one.standard, verdict.criterion): verdict
+        for one in assessments_of(data)
+        for verdict in one.verdicts
+    }
+    return RunFigures(name, figures, settings or {}, sensors, verdicts)
 
 
 def _light(results: Results) -> Iterator[VariantFigure]:

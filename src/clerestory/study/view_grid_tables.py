@@ -5,7 +5,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from clerestory.study.config_tables import InputFile, Named, Place, require_rule
+from clerestory.study.config_tables import Named, Place, require_rule
+from clerestory.study.file_fields import InputFile
 
 # Largest number of positions of a view grid; each takes about a minute
 MOST_POSITIONS = 10_000

@@ -15,13 +15,13 @@ from clerestory.escaping import printable
 from clerestory.study.bsdf_field import BSDF, BsdfFile
 from clerestory.study.config_tables import (
     Distinct,
-    InputFile,
     Named,
     NamedFile,
     require_one_of,
     require_rule,
 )
 from clerestory.study.control_fields import Levels, StateChoice, Tilts
+from clerestory.study.file_fields import InputFile
 
 RuleName = Literal[
     "fixed",

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy import stats
 
 from clerestory.checks import one_of, positive, require
 
@@ -76,11 +76,11 @@ class Distribution:
     def _scipy(self) -> Any:
         width = self.high - self.low
         if self.shape == "uniform":
-            return stats.uniform(self.low, width)
+            return scipy.stats.uniform(self.low, width)
         if self.shape == "triangular":
-            return stats.triang((self.centre - self.low) / width, self.low, width)
+            return scipy.stats.triang((self.centre - self.low) / width, self.low, width)
         ends = [(end - self.centre) / self.deviation for end in (self.low, self.high)]
-        return stats.truncnorm(*ends, self.centre, self.deviation)
+        return scipy.stats.truncnorm(*ends, self.centre, self.deviation)
 
 
 def normal(

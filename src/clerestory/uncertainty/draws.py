@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy import stats
 
 from clerestory.brief_repr import brief
 from clerestory.checks import distinct, positive, require, within
@@ -121,17 +121,17 @@ def draw(
     power = round(np.log2(count))
     require(2**power == count >= 4, f"{count} draws; a power of two expected")
     half, size = count // 2, len(unknowns)
-    sequence = stats.qmc.Sobol(2 * size, rng=np.random.default_rng(seed))
+    sequence = scipy.stats.qmc.Sobol(2 * size, rng=np.random.default_rng(seed))
     points = sequence.random(half)
     # Quantiles of 0 and 1 would be infinite
     points = np.clip(points, 1e-9, 1 - 1e-9)
     groups = _groups([unknown.name for unknown in unknowns], correlated)
-    scores = stats.norm.ppf(points)
+    scores = scipy.stats.norm.ppf(points)
     sets = [scores[:, :size].copy(), scores[:, size:].copy()]
     for one in sets:
         for own, factor in groups:
             one[:, own] = one[:, own] @ factor.T
-    shares = [stats.norm.cdf(one) for one in sets]
+    shares = [scipy.stats.norm.cdf(one) for one in sets]
     first, second = (
         np.stack(
             [u.distribution.quantiles(one[:, k]) for k, u in enumerate(unknowns)],

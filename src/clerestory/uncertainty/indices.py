@@ -13,8 +13,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy import stats
 
 from clerestory.uncertainty.draws import Draws
 
@@ -54,7 +54,7 @@ def sobol_indices(
     found = [np.zeros(shape) for _ in range(4)]
     if varies.any():
         values = {"f_A": a[varies], "f_B": b[varies], "f_AB": ab[:, varies]}
-        result = stats.sobol_indices(func=values, n=few)
+        result = scipy.stats.sobol_indices(func=values, n=few)
         shares = result.first_order, result.total_order
         errors = _errors(*values.values())
         for place, own in enumerate((*shares, *errors)):

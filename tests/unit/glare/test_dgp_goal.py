@@ -26,7 +26,7 @@ def dgp(value):
     return evaluate_glare(Picture(value.astype(np.float32), view=EYE), trust=True).dgp
 
 
-@pytest.mark.filterwarnings("ignore:.*merging angle")
+@pytest.mark.filterwarnings("ignore:.*too coarse to tell glare sources")
 def test_contributions_are_the_squares_of_changes_of_dgp():
     """One pixel inside of the source and one outside of it, changed by its error."""
     pixels = estimates()

@@ -21,8 +21,9 @@ from clerestory.glare.dgp import (
     simplified_dgp,
 )
 from clerestory.glare.imageless import imageless_dgp, position_of
-from clerestory.glare.index_settings import DgpCoefficients
-from clerestory.glare.indices import INDICES, REPORTED
+from clerestory.glare.index import EyePhotometry
+from clerestory.glare.index_settings import DgpCoefficients, IndexSettings
+from clerestory.glare.indices import INDICES, REPORTED, quantities_over_time
 from clerestory.glare.pgsv import contrast_pgsv, saturation_pgsv
 from clerestory.glare.position_index import position_index
 from clerestory.glare.source_table import GlareSources
@@ -90,11 +91,11 @@ def test_corrections_are_those_of_wienold():
 
 def test_ugr_is_that_of_cie_117():
     total = 4000**2 * 0.05 / 2.25 + 9000**2 * 0.01 / 16
-    assert ugr(TWO, background=80) == pytest.approx(8 * math.log10(0.25 / 80 * total))
-    assert cgi(TWO, illuminance=800, direct=300) == pytest.approx(
+    assert ugr(TWO, background=80.0) == pytest.approx(8 * math.log10(0.25 / 80 * total))
+    assert cgi(TWO, illuminance=800.0, direct=300.0) == pytest.approx(
         8 * math.log10(2 * (1 + 0.6) / 800 * total)
     )
-    assert ugp(TWO, background=80) == pytest.approx(
+    assert ugp(TWO, background=80.0) == pytest.approx(
         0.26 * math.log10(0.25 / 80 * total)
     )
 
@@ -104,14 +105,36 @@ def test_dgi_is_that_of_hopkinson():
         lum**1.6 * (omega / p**2) ** 0.8 / (100 + 0.07 * omega**0.5 * lum)
         for lum, omega, p in ((4000, 0.05, 1.5), (9000, 0.01, 4))
     )
-    assert dgi(TWO, background=100) == pytest.approx(10 * math.log10(0.478 * term))
+    assert dgi(TWO, background=100.0) == pytest.approx(10 * math.log10(0.478 * term))
 
 
 def test_vcp_is_half_where_the_rating_says_so():
     """ln DGR = 6.374 / 1.3227."""
     assert vcp(math.exp(6.374 / 1.3227)) == pytest.approx(50)
-    assert vcp(10) == 100
-    assert vcp(800) == 0
+    assert vcp(10.0) == 100
+    assert vcp(800.0) == 0
+
+
+def test_indices_of_many_steps_are_those_of_each_step():
+    """Steps with two sources, none, one; the last is dark."""
+    bright = TWO.select(TWO.luminance > 5000)
+    every = GlareSources.joined([TWO, NOTHING, bright, TWO])
+    light = {"illuminance": 3000.0, "average": 700.0, "brightest": 9000.0}
+    eye = EyePhotometry(
+        sources=every,
+        **{name: value * np.array([1, 0.5, 2, 0.0]) for name, value in light.items()},
+        reference=np.full(4, 500.0),
+        eye_illuminance=np.full(4, 2000.0),
+        solid_angle=2 * np.pi,
+        settings=IndexSettings(),
+    )
+    together = quantities_over_time(eye)
+    assert (together["source_count"] == [2, 0, 1, 2]).all()
+    assert np.isnan(together["ugr"]).tolist() == [False, False, False, True]
+    for step in range(4):
+        alone = quantities_over_time(eye.at_step(step))
+        for name, value in alone.items():
+            assert together[name][step] == pytest.approx(value[0], nan_ok=True), name
 
 
 def test_veiling_luminance_follows_stiles_and_holladay():
@@ -123,16 +146,18 @@ def test_veiling_luminance_follows_stiles_and_holladay():
 
 
 def test_without_sources_there_is_no_glare():
-    assert ugr(NOTHING, background=80) == dgi(NOTHING, background=80) == 0
-    assert cgi(NOTHING, illuminance=500, direct=0) == dgr(NOTHING, average=100) == 0
-    assert vcp(dgr(NOTHING, average=100)) == 100
-    assert dgp(NOTHING, illuminance=1000) == pytest.approx(5.87e-2 + 0.159)
+    assert ugr(NOTHING, background=80.0) == dgi(NOTHING, background=80.0) == 0
+    assert (
+        cgi(NOTHING, illuminance=500.0, direct=0.0) == dgr(NOTHING, average=100.0) == 0
+    )
+    assert vcp(dgr(NOTHING, average=100.0)) == 100
+    assert dgp(NOTHING, illuminance=1000.0) == pytest.approx(5.87e-2 + 0.159)
 
 
 def test_without_a_background_indices_are_not_numbers():
-    assert math.isnan(ugr(TWO, background=0))
-    assert math.isnan(modified_dgi(TWO, average=float("nan")))
-    assert math.isnan(experimental_ugr(TWO, average=1, background=-1))
+    assert np.isnan(ugr(TWO, background=0.0))
+    assert np.isnan(modified_dgi(TWO, average=float("nan")))
+    assert np.isnan(experimental_ugr(TWO, average=1.0, background=-1.0))
 
 
 def test_pgsv_of_a_window():
@@ -141,10 +166,10 @@ def test_pgsv_of_a_window():
     size = math.log10(0.4)
     expected = 3.2 * math.log10(2000) - 0.64 * size
     expected += (0.79 * size - 0.61) * math.log10(rest) - 8.2
-    found = contrast_pgsv(window=2000, window_solid_angle=0.4, average=500)
+    found = contrast_pgsv(window=2000, window_solid_angle=0.4, average=500.0)
     assert found == pytest.approx(expected)
     with pytest.raises(InputError, match="accounts for all light"):
-        contrast_pgsv(window=9000, window_solid_angle=0.4, average=500)
+        contrast_pgsv(window=9000, window_solid_angle=0.4, average=500.0)
 
 
 def test_five_percent_of_the_hours_may_exceed_a_limit():
@@ -179,9 +204,9 @@ def test_imageless_dgp_is_dgp_with_a_source_a_direction():
         solid_angle=np.array([[0.05], [0.01]]),
         index=np.array([[1.5], [4.0]]),
     )
-    assert found[0] == pytest.approx(dgp(TWO, illuminance=3000))
+    assert found[0] == pytest.approx(dgp(TWO, illuminance=3000.0))
     one = GlareSources.of(luminance=[9000], solid_angle=[0.01], position_index=[4])
-    assert found[1] == pytest.approx(dgp(one, illuminance=3000))
+    assert found[1] == pytest.approx(dgp(one, illuminance=3000.0))
 
 
 def test_directions_behind_the_eye_have_no_weight():

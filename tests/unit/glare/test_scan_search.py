@@ -5,6 +5,7 @@ import pytest
 from glare_rooms import eye
 
 from clerestory.glare import neighbour_search
+from clerestory.glare.mask_stack import MaskStack
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
 from clerestory.glare.scan_search import previous_pixels
 
@@ -37,7 +38,7 @@ def test_all_searches_find_what_each_of_them_finds(share, angle_deg):
     row, column = np.nonzero(mask)
     some = random.permutation(row.size)[:150]
     near = Neighbourhood(view, np.radians(angle_deg))
-    found = previous_pixels(row[some], column[some], mask, near)
+    found = previous_pixels(row[some], column[some], MaskStack(mask, len(mask)), near)
     assert np.array_equal(found, one_by_one(row[some], column[some], mask, near))
 
 

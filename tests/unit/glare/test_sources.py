@@ -6,8 +6,13 @@ from glare_rooms import SIZE, eye, room
 
 from clerestory.errors import InputError
 from clerestory.glare.detection_criteria import SourceRules, Zone
+from clerestory.glare.picture_sources import tabulate
 from clerestory.glare.smoothing import surrounded
-from clerestory.glare.sources import find_sources, tabulate, threshold_luminance
+from clerestory.glare.sources import (
+    SourceSearch,
+    find_sources,
+    threshold_luminance,
+)
 from clerestory.glare.zones import Zones, cut_along
 
 # 1° a pixel: 0.1 rad are 5.7 pixels
@@ -161,3 +166,17 @@ def test_a_task_outside_of_the_picture_is_refused():
     )
     with pytest.raises(InputError, match="row 500, column 1 of a picture of 180 × 180"):
         find_sources(room(), eye(), rules)
+
+
+@pytest.mark.parametrize("share", [0.003, 0.03, 0.3])
+def test_pictures_searched_together_have_the_sources_of_each(share):
+    """Bright spots at random, on all sides of the view; the fourth picture has none."""
+    view, random = eye(), np.random.default_rng(int(1e4 * share))
+    pictures = 3000.0 * (random.random((4, *view.shape)) < share)
+    pictures[1, :, 60:], pictures[3] = 0, 0
+    search = SourceSearch(view, SourceRules(merge_angle=np.radians(12)))
+    together = search.members([picture[None] for picture in pictures])
+    for picture, (found, _) in zip(pictures, together, strict=True):
+        alone = find_sources(picture, view, search.rules)
+        for own, other in zip(found, alone, strict=True):
+            assert np.array_equal(own, other)

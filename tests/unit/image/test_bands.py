@@ -4,14 +4,17 @@ import numpy as np
 import pytest
 
 from clerestory.bands import Bands
+from clerestory.colorimetry import RADIANCE
 from clerestory.errors import InputError
 from clerestory.image.arithmetic import reduce
 from clerestory.image.picture import Picture
-from clerestory.image.picture_files import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.image.tone_curves import filmic, linear
 from clerestory.image.veiling_glare import with_veil
 from clerestory.image.visibility_matching import human_vision
 from clerestory.scene.view import View
+from clerestory.spectral.band_sets import band_set, light_in_bands
+from clerestory.spectral.functions import spectral_function
 
 NINE = Bands(tuple(f"band {k}" for k in range(9)), tuple(np.arange(9.0)))
 
@@ -48,6 +51,47 @@ def test_files_hold_red_green_and_blue(picture, tmp_path, ending):
 def test_displays_show_red_green_and_blue(picture, mapping):
     with pytest.raises(InputError, match="red, green, blue expected"):
         mapping(picture)
+
+
+@pytest.mark.parametrize("ending", ["hdr", "exr"])
+def test_files_of_spectral_pictures_have_the_same_luminance(tmp_path, ending):
+    """Twenty wavelength intervals: luminance is kept, white and daylight as defined."""
+    bands, rng = band_set("20"), np.random.default_rng(4)
+    values = 1 + rng.random((6, 8, 20)).astype(np.float32)
+    values[0, 0] = 3.0
+    values[0, 1] = light_in_bands(spectral_function("d65"), bands)
+    shown = Picture(values, bands=bands)
+    write_picture(shown, tmp_path / f"a.{ending}")
+    read = read_picture(tmp_path / f"a.{ending}")
+    assert read.luminance() == pytest.approx(shown.luminance(), rel=0.02)
+    assert shown.rgb[0, 0] == pytest.approx(3.0, rel=1e-3)
+    x, y, z = RADIANCE.to_xyz() @ shown.rgb[0, 1]
+    total = x + y + z
+    assert (x / total, y / total) == pytest.approx((0.3127, 0.3290), abs=5e-4)
+    light = rgb_luminance(shown.rgb)
+    assert light == pytest.approx(shown.luminance(), rel=2e-4)
+
+
+def rgb_luminance(rgb):
+    """Luminance by Radiance's weights of red, green and blue, which are rounded."""
+    return Picture(rgb).luminance()
+
+
+def test_colours_outside_the_gamut_are_desaturated():
+    """Light of 500 nm only: no negative values, and its luminance."""
+    bands = band_set("20")
+    values = np.zeros((1, 1, 20), np.float32)
+    values[..., 6] = 5.0
+    shown = Picture(values, bands=bands)
+    assert shown.rgb.min() >= 0
+    assert rgb_luminance(shown.rgb) == pytest.approx(shown.luminance(), rel=2e-4)
+
+
+def test_pictures_of_weighting_functions_are_grey():
+    values = np.random.default_rng(3).random((3, 4, 2)).astype(np.float32)
+    shown = Picture(values, bands=band_set("melanopic+photopic"))
+    assert np.ptp(shown.rgb, axis=-1).max() == 0
+    assert rgb_luminance(shown.rgb) == pytest.approx(shown.luminance(), rel=2e-4)
 
 
 def test_the_number_of_channels_is_that_of_the_bands(picture):

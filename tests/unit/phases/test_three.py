@@ -9,6 +9,8 @@ from scipy.sparse import csc_array
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases import blockwise_product
+from clerestory.phases.blockwise_product import BlockwiseProduct
 from clerestory.phases.column_light import sky_product
 from clerestory.phases.illuminance import illuminance
 from clerestory.phases.matrix_equation import (
@@ -213,3 +215,42 @@ def test_a_grey_matrix_under_a_coloured_sky_equals_one_of_three_equal_channels()
     np.testing.assert_allclose(
         sky_product(grey, sky, weights), sky_product(coloured, sky, weights), rtol=1e-5
     )
+
+
+def test_moving_shades_give_the_same_in_both_orders_of_multiplication(monkeypatch):
+    """V (T D S), and (V T D) S for each combination of the states of two windows.
+
+    Deviations of V and D are the same in all states, so that they add over time.
+    """
+    rng = np.random.default_rng(8)
+    windows = [
+        window_matrices(
+            view(name, rng=rng, count=3),
+            [transmission(tau) for tau in taus],
+            daylight(name, rng=rng, count=4),
+        )
+        for name, taus in (("a", (0.7, 0.2)), ("b", (0.5, 0.1)))
+    ]
+    states = [np.array([0, 1, 1]), np.array([1, 0, 1])]
+    skies = Skies(uniform_sky((1.0, 2.0, 3.0)))
+
+    def found(short):
+        monkeypatch.setattr(
+            blockwise_product, "coefficients_cost_less", lambda *_, **__: short
+        )
+        product = BlockwiseProduct(
+            windows, THREE_PHASE, skies, states, LUX * np.eye(3), SENSORS
+        )
+        (block,) = product.blocks()
+        parts = np.concatenate([part.values for part in block.components])
+        return block.terms, np.sort(parts.sum(axis=-1), axis=0), product
+
+    short, in_time, product = found(True)
+    assert len(product._chains(THREE_PHASE[0])) == 1
+    long, expected, _ = found(False)
+    np.testing.assert_allclose(short, long, rtol=1e-5)
+    assert in_time.shape == expected.shape == (3 + 4 + 4, 3, SENSORS)
+    np.testing.assert_allclose(in_time, expected, rtol=1e-4, atol=1e-4)
+    shares = np.array([0.7 + 0.1, 0.2 + 0.5, 0.2 + 0.1])
+    bright = np.pi * LUX * np.array([1, 2, 3]) * shares
+    np.testing.assert_allclose(short[0, 0, 0], bright, rtol=1e-5)

@@ -5,13 +5,20 @@ from lxml import html
 
 from clerestory.report.content_from_results import from_results
 from clerestory.report.page import report_page
+from clerestory.report.variants_page import variants_page
+from clerestory.study.results import Results
+from clerestory.study.variant_figures import run_figures
 
 
 @pytest.fixture(scope="module")
-def page(room, standard_pages):
-    results = standard_pages.with_standards(
+def results(room, standard_pages):
+    return standard_pages.with_standards(
         room.analytic_results(times=room.year(days=60))
     )
+
+
+@pytest.fixture(scope="module")
+def page(results):
     return html.document_fromstring(report_page(from_results(results)))
 
 
@@ -67,3 +74,34 @@ def test_requirements_are_listed_with_what_to_change(page):
     statuses = [row.xpath("string(td[1])") for row in rows]
     order = ["not fulfilled", "not known", "fulfilled"]
     assert statuses == sorted(statuses, key=order.index)
+
+
+def test_maps_are_headed_by_space_and_grid(results, page):
+    assert section(page, "lm-83-12").xpath("h3/text()")[2] == "desks"
+    named = results.data.copy()
+    named["space"] = named["space"].copy(data=["office"] * named.sizes["sensor"])
+    other = html.document_fromstring(
+        report_page(from_results(Results(named, results.run)))
+    )
+    assert section(other, "lm-83-12").xpath("h3/text()")[2] == "office · desks"
+
+
+def test_variants_are_compared_by_the_verdicts_on_all_spaces(results, page):
+    """The first run without standards has empty cells."""
+    plain = results.data.drop_vars(
+        [name for name in results.data.variables if str(name).startswith("verdict_")]
+    )
+    runs = [
+        run_figures(Results(plain, results.run), name="plain"),
+        run_figures(results, name="assessed"),
+    ]
+    text = variants_page(runs, title="Two runs")
+    table = html.document_fromstring(text).xpath("//table[@class='verdict-table']")[0]
+    heads = [" ".join(head.itertext()) for head in table.xpath("./thead/tr/th")][2:]
+    rows = table.xpath("./tbody/tr")
+    first, second = ([cell.text for cell in row.xpath("td")][1:] for row in rows)
+    assert first == [None] * len(heads)
+    own = section(page, "lm-83-12").xpath("ul[@class='verdicts']/li/b/text()")
+    assert heads[0] == "LM-83-12 Spatial daylight autonomy"
+    assert second[: len(own)] == own
+    assert len(second) == len(heads) > len(own)

@@ -89,6 +89,10 @@ def test_sections_of_the_course_stand_between_year_and_room(page):
     assert links == [f"#{identifier}" for identifier in page.xpath("//section/@id")]
 
 
+def test_with_views_no_table_is_asked_for(page):
+    assert "[[view]]" not in words(page.xpath("//section[@id='year']")[0])
+
+
 def test_results_without_a_course_have_none_of_its_sections(room):
     results = room.analytic_results(times=room.year(days=2))
     page = html.document_fromstring(report_page(from_results(results)))

@@ -125,6 +125,10 @@ def test_sections_stand_in_their_order(page):
     ]
 
 
+def test_without_views_the_page_says_how_to_get_glare(page):
+    assert "add a table [[view]]" in words(page.xpath("//section[@id='year']")[0])
+
+
 def test_parameters_times_and_versions_are_shown(page):
     making = words(page.xpath("//section[@id='making']")[0])
     for expected in (

@@ -33,16 +33,19 @@ class Drawing:
 
 @command("bsdf_library:library", "venetian")
 class BsdfLibrary:
-    """List the built-in BSDFs, or write one to a file.
+    """List the built-in BSDFs and spectra, or write one to a file.
 
     They are used by name wherever a BSDF file is expected, as `library:double-lowe-6`;
-    `@45` tilts slats, and `+` joins layers from outdoors to indoors.
+    `@45` tilts slats, and `+` joins layers from outdoors to indoors. Spectra are
+    measured reflectances of materials, used as `library:pine` where a file is expected.
     """
 
     name: str | None = argument(
         "Part of the names to list; with -o, the name of one.", "[NAME]", default=None
     )
-    output: Path | None = option(None, "BSDF file to write.", "-o")
+    output: Path | None = option(
+        None, "BSDF file, or text file of a spectrum, to write.", "-o"
+    )
 
 
 @command("bsdf:info", "blind.xml")
@@ -226,6 +229,8 @@ class GenerateBsdf:
     band: list[str] | None = option(
         None, "Band and weights of red, green, blue; repeatable.", metavar="NAME=R/G/B"
     )
+    spectral: common.SpectralBands = ""
+    spectrum: common.NamedSpectra = None
     tracing: Tracing
     errors: Path | None = option(None, "BSDF file of the standard errors to write.")
     rad: Path | None = option(None, "Radiance scene file of the geometry to write.")

@@ -41,6 +41,17 @@ ClusterAddress = Annotated[
 SkySubdivision = Annotated[
     int, Option("Subdivision of the sky (MF).", "--sky-subdivision", least=1, most=6)
 ]
+SpectralBands = Annotated[
+    str,
+    Option("Spectral bands: 20, 81 or melanopic+photopic.", metavar="BANDS"),
+]
+NamedSpectra = Annotated[
+    list[str] | None,
+    Option(
+        "With --spectral: spectrum of a material, a file or library:NAME; repeatable.",
+        metavar="MATERIAL=FILE",
+    ),
+]
 Quiet = Annotated[bool, Option("Print only warnings and errors.", "-q")]
 PictureOutput = Annotated[Path, Option("Picture to write: .hdr or .exr.", "-o")]
 FigureOutput = Annotated[Path, Option("Figure to write: .png, .svg or .pdf.", "-o")]

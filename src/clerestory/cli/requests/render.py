@@ -25,6 +25,8 @@ class Render:
     output: common.PictureOutput
     sky: common.SkyChoice
     resolution: common.Resolution = 512
+    spectral: common.SpectralBands = ""
+    spectrum: common.NamedSpectra = None
     effort: common.EffortOptions
     dgp_error: float | None = option(
         None,

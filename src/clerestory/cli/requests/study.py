@@ -25,9 +25,9 @@ class NewStudy:
     """Write a study file: rooms, their windows, a grid over each floor, the weather.
 
     The BSDF replaces the glazing of the windows: polygons in files of their own, or all
-    polygons of materials that --glazing names. Panes whose front does not face the room
-    are reversed in a copy; those of several rooms or orientations become several
-    windows.
+    polygons of materials that --glazing names. Of panes with several faces, the one
+    towards the room is used. Panes whose front does not face the room are reversed in a
+    copy; those of several rooms or orientations become several windows.
     """
 
     folder: Path = argument("Folder for the study; created if missing.", "DIR")
@@ -48,7 +48,10 @@ class NewStudy:
     spacing: float = option(0.5, "Spacing of the grid [m].", least=0.05)
     height: float = option(0.76, "Height of the grid above the floor [m].", least=0)
     units: Literal["metres", "centimetres", "millimetres", "feet", "inches"] = option(
-        "metres", "Unit of length of the scene, the windows and the sensors."
+        "metres",
+        "Unit of length of the scene, the windows and the sensors: metres,"
+        " centimetres, millimetres, feet or inches.",
+        metavar="UNIT",
     )
     views: bool = option(False, "Propose views at the desks nearest to the windows.")
     quiet: common.Quiet = False
@@ -81,7 +84,7 @@ class Demo:
     """
 
     folder: Path = argument(
-        "Folder for the study and its results.", "DIR", default=Path("clerestory_demo")
+        "Folder for the study and its results.", "DIR", default=Path("clerestory-demo")
     )
     bsdf: Path | None = option(
         None, "BSDF file (.xml), or library:NAME, instead of the blind.", metavar="F"

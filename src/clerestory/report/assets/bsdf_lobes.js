@@ -90,7 +90,7 @@ class LobeView {
     if (!width || !height) return;
     this.canvas.width = width;
     this.canvas.height = height;
-    const raster = new Raster(width, height), distance = 5.2, focus = 2.05 * height;
+    const raster = new Raster(width, height), distance = 5.2, focus = 2.05 * Math.min(height, 0.85 * width);
     raster.clear(rgb(255, 255, 255));
     const back = [Math.cos(this.tilt) * Math.cos(this.turn), Math.cos(this.tilt) * Math.sin(this.turn), Math.sin(this.tilt)];
     const right = [-Math.sin(this.turn), Math.cos(this.turn), 0], up = cross(back, right);

@@ -1,7 +1,7 @@
 // Hints at wide tables and maps that scroll sideways, reachable by keyboard.
 
 function startScrollHints() {
-  const wide = document.querySelectorAll(".wide, .year-scroll");
+  const wide = document.querySelectorAll(".wide, .year-scroll, section > .drawing");
   const mark = () => {
     for (const one of wide) {
       const more = one.scrollWidth > one.clientWidth + 1;
