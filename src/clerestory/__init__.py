@@ -113,6 +113,7 @@ _HOME = {
     "evaluate_glare": "glare.evaluate",
     "annual_glare": "glare.annual_glare",
     "trace_view_point": "glare.view_point_tracer",
+    "glare_changes": "glare.glare_changes",
     "glazed_view_glare": "glare.glazed_view_points",
     "calibrate_study": "comparison.calibration_run",
     "compare_series": "comparison.series_comparison",

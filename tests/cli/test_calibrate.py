@@ -2,8 +2,13 @@
 
 import json
 
+import numpy as np
 import pytest
+import xarray as xr
+from lxml import html
+from scipy import stats
 
+from clerestory.metrics.en17037 import LEVELS, MINIMUM_LUX, TARGET_LUX
 from clerestory.study.variants import read_variants
 from uncertain_room import MATERIALS, unknown, write_room
 
@@ -93,3 +98,53 @@ def test_optimise_needs_its_table(tmp_path, call):
     done = call("optimise", write_room(tmp_path), "-o", tmp_path / "designs")
     assert done.status == 2
     assert "no table [optimise]" in done.err
+
+
+STANDARD = """
+[compliance]
+standards = ["EN 17037"]
+
+[uncertainty]
+draws = 256
+[[uncertainty.unknown]]
+kind = "sky"
+mean = 0.4
+standard_deviation = 0.1
+[[uncertainty.unknown]]
+kind = "sun"
+mean = 0.4
+standard_deviation = 0.1
+[[uncertainty.correlated]]
+unknowns = ["sky", "sun"]
+correlation = 1
+"""
+
+
+def test_probabilities_of_a_standard_are_those_of_the_light(tmp_path, call):
+    """All light has one normal factor f: a level is reached if f is large enough.
+
+    In half of the daylight hours, sensors reach their median, times f: half of them
+    must reach the target, and all twelve (95 % of the area) the minimum of a level.
+    """
+    file = write_room(tmp_path / "own", samples=60_000, more=STANDARD)
+    out = tmp_path / "out"
+    assert call("run", file, "--out", out, "--quiet").status == 0
+    with xr.open_dataset(out / "results.nc") as data:
+        hours = data["daylight_hours"].values.astype(bool)
+        lux = data["illuminance"].transpose("sensor", "time").values[:, hours]
+        own = data["probable_criterion"].str.contains("method 2").values
+        levels = data["probable_level"].values[own].tolist()
+        found = dict(zip(levels, data["probability"].values[own], strict=True))
+    reached = -np.sort(-lux, axis=1)[:, (hours.sum() + 1) // 2 - 1]
+    brightest = -np.sort(-reached)
+    of_factor = stats.norm(0.4, 0.1)
+    limits = zip(TARGET_LUX, MINIMUM_LUX, strict=True)
+    for level, (target, least) in zip(LEVELS[1:], limits, strict=True):
+        enough = max(target / brightest[5], least / brightest[-1])
+        assert found[level] == pytest.approx(of_factor.sf(enough), abs=0.04)
+    assert any(0.1 < value < 0.9 for value in found.values())
+    page = html.document_fromstring((out / "report.html").read_text())
+    (section,) = page.xpath("//section[@id='knowledge']")
+    text = " ".join(section.text_content().split())
+    assert "Probability of reaching each level" in text
+    assert "EN 17037" in text

@@ -94,6 +94,21 @@ def test_a_sheet_passes_its_share_of_the_sun(device, name):
     )
 
 
+@pytest.mark.parametrize(("radius", "share"), [(0.0, 1.0), (9.0, 1.0), (-1.0, 0.0)])
+def test_a_glow_of_any_radius_lights_a_sensor(device, radius, share):
+    """The only emitter, found by chance at radius 0; a square of 2 m overhead at 1 m.
+
+    E = 4 L x atan(y / r) / r for a quarter of sides x = y at height 1, where
+    r² = 1 + x². Of negative radius it is seen, but illuminates nothing.
+    """
+    corners = (-1, 1, 1), (1, 1, 1), (1, -1, 1), (-1, -1, 1)
+    panel = quad(*corners, material="panel")
+    scene = Scene({"panel": Glow("panel", np.ones(3), radius)}, (panel,), ())
+    truth = 4 * np.arctan(1 / np.sqrt(2)) / np.sqrt(2) * share
+    options = {"samples": 1 << 14, "seed": 3, "device": device}
+    assert_reads(scene, truth, precision=0.02, **options)
+
+
 def test_diffuse_transmission_counts_as_a_bounce(device):
     """The sky needs two gathers through a diffuser; `-ab 1` sees black beneath it."""
     scene = under_a_sheet(SHEETS["diffuse"][0], sky())

@@ -96,6 +96,55 @@ def test_table_and_report_have_the_changes(files, tmp_path):
     assert "+0.05 on grey: mean illuminance of desk +" in page
 
 
+def shaded(text):
+    """The study with two shade states, and a view away from the window."""
+    states = "".join(
+        f'[[window.state]]\nname = "{name}"\nbsdf = "diffuser.xml"\n\n'
+        for name in ("open", "closed")
+    )
+    view = """[[view]]
+name = "wall"
+position = [1.5, 2.0, 1.2]
+direction = [0, 1, 0]
+resolution = 140
+samples = 4
+
+"""
+    text = text.replace('bsdf = "diffuser.xml"\n', "")
+    return text.replace("[[sensors]]", states + view + "[[sensors]]", 1)
+
+
+def test_changes_of_glare_are_in_table_and_report(files, tmp_path):
+    """A view of a wall, without glare sources: DGP rises with the light at the eye."""
+    table = '[sensitivity]\nmaterials = ["grey"]\nglare = true\n'
+    text = shaded((ROOM / "study.toml").read_text())
+    (files / "study.toml").write_text(f"{text}\n{table}")
+    found = run_study(read_study(files / "study.toml"), out=tmp_path / "out")
+    data = found.data
+    assert data["glare_sensitivity"].dims == (
+        "parameter", "change", "glare_figure", "view",
+    )  # fmt: skip
+    assert data["view"].values.tolist() == ["wall"]
+    one = data.sel(view="wall", glare_figure="mean DGP", parameter="grey")
+    less, more = one["glare_sensitivity"].values
+    error = one["glare_sensitivity_error"].values
+    assert less < -3 * error[0]
+    assert more > 3 * error[1]
+    with (tmp_path / "out" / "sensitivity.csv").open(newline="") as stream:
+        rows = [r for r in csv.DictReader(stream) if r["grid"] == "wall"]
+    assert {row["metric"] for row in rows} >= {"mean DGP"}
+    assert {row["step"] for row in rows} == {"0.05", "-0.05"}
+    write_report(found, tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    assert "Changes in wall" in page
+    assert "mean DGP, now" in page
+
+
+def test_glare_without_a_view_is_refused(files, tmp_path):
+    with pytest.raises(InputError, match="glare without a view that is wide enough"):
+        run(files, tmp_path, table='[sensitivity]\nmaterials = "all"\nglare = true\n')
+
+
 def test_an_unknown_material_is_named_before_tracing(files, tmp_path):
     with pytest.raises(InputError, match=r"\[sensitivity\] materials: .*door"):
         run(files, tmp_path, table='[sensitivity]\nmaterials = ["door"]\n')

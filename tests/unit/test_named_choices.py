@@ -111,6 +111,7 @@ ELSEWHERE = {
     "fit_measurement symmetry",
     "generate_bsdf basis",
     "generate_bsdf sides",
+    "glare_changes materials",
     "illuminance_derivatives second",
     "material_parameters names",
     "thermal_figures basis",

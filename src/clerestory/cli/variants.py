@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -13,6 +14,7 @@ from clerestory.files import make_folder
 from clerestory.report.page import REPORT_FILE
 from clerestory.report.uncertain_value import Figure
 from clerestory.report.variants_page import write_variants_page
+from clerestory.study.compared_settings import compared_settings
 from clerestory.study.results import read_results
 from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import (
@@ -47,11 +49,14 @@ def compare_runs(
     paths: Sequence[Path], names: Sequence[str], folder: Path, *, quiet: bool
 ) -> None:
     """Compare finished runs; write their figures and a page into a folder."""
-    found = []
+    found, studies = [], []
     for path, name in zip(paths, names, strict=True):
         results = read_results(path)
         found.append(run_figures(results, name=name))
+        studies.append(results.run.get("study") or {})
         results.data.close()
+    settings = compared_settings(studies)
+    found = [replace(r, settings=s) for r, s in zip(found, settings, strict=True)]
     common_keys(found)
     write_variants(found, make_folder(folder))
     _finish(found, folder, "Comparison of runs", quiet=quiet)

@@ -61,21 +61,23 @@ def derivatives_of(
     sums: Sums, batches: int, parameters: tuple[Parameter, ...], *, components: bool
 ) -> Derivatives:
     """Return the derivatives of some rows of a matrix."""
-    count, firsts, parts = len(parameters), [], []
+    rows, _, columns, channels = sums.total.shape
+    count, shape = len(parameters), (channels, rows, columns)
     theta = np.array([parameter.value for parameter in parameters])
+    first = np.empty((count, *shape))
+    deviations = np.empty((batches, count, *shape), "f4") if components else None
     for number, value in enumerate(theta):
         start = batches * (1 + number)
         part = _signed(sums, slice(start, start + batches), _FIRST)
         found = estimated(part, reached=True, components=components)
-        firsts.append(found.values / value)
-        if found.components is not None:
-            parts.append(found.components / np.float32(value))
+        np.divide(found.values, value, out=first[number])
+        if deviations is not None and found.components is not None:
+            np.divide(found.components, np.float32(value), out=deviations[:, number])
     last = slice(batches * (1 + count), None)
     pairs = _signed(sums, last, _SECOND).means() / Places(batches, count).of_pairs
     scale = np.array([theta[i] * theta[j] for i, j in pair_indices(count)])
     second = np.moveaxis(pairs, (1, 3), (0, 1)) / scale[:, None, None, None]
-    deviations = np.stack(parts, axis=1) if parts else None
-    return Derivatives(parameters, np.stack(firsts), second, deviations)
+    return Derivatives(parameters, first, second, deviations)
 
 
 def _signed(sums: Sums, places: slice, unit: float) -> Sums:

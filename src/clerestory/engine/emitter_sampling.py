@@ -61,7 +61,7 @@ class SurfaceEmitters(Source):
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool] | None:
         """Return the radiance of the front of an emitter; camera rays pass illums."""
         emitters = self.model.emitters
-        if emitters.count == 0:
+        if emitters.shapes == 0:
             return None
         role = dr.gather(mi.UInt32, self.model.emitter_of_shape, shape, active)
         ended = active & (role > 0)

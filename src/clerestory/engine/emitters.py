@@ -41,6 +41,7 @@ class Emitters:
 
     Attributes
     ----------
+    shapes : number of emitting shapes, those that are not sampled included
     table : 1 + index of the pattern of each emitter, or 0 without a pattern
     view_only : whether an emitter is visible but does not illuminate (glow of negative
         radius)
@@ -50,6 +51,7 @@ class Emitters:
     density : probability per area on each emitter [1/m²]; 0 if not sampled
     """
 
+    shapes: int
     count: int
     radiance: mi.Color3f
     table: mi.UInt32
@@ -87,6 +89,7 @@ class Emitters:
         if len(power):
             aimed[np.unique(owner)] = mean[np.unique(owner)] / power.sum()
         return cls(
+            shapes=len(shining),
             count=len(owner),
             radiance=vectors(mi.Color3f, radiance),
             table=on_device(mi.UInt32, number),

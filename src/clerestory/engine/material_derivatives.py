@@ -47,6 +47,9 @@ _CHOICES, _PER_VERTEX = 0x40000, 64
 # Largest number of samples of a source at a vertex, first pane of a ray, least divisor
 _SAMPLES, _FIRST_PANE, _SMALL = 4, 8, 1e-30
 
+# Fraction of the golden ratio: its multiples, modulo 1, are evenly spread
+_GOLDEN = 0.618034
+
 
 @dataclass
 class Scores:
@@ -181,7 +184,7 @@ class MaterialDerivatives:
             sharp = dr.select(after.null, straight, flat)
             return dr.select(after.null | after.delta, sharp, value)
 
-        return self._met(scores, vertex.shape, si, values, _pick(numbers, 0), active)
+        return self._met(scores, vertex.shape, si, values, _pick(numbers), active)
 
     def connected(
         self,
@@ -204,7 +207,9 @@ class MaterialDerivatives:
                 local = si.to_local(sample.direction)
                 return bsdf.eval(mi.BSDFContext(), si, local, active)
 
-            pick = _pick(numbers, 1 + number)
+            # Samples choose vertices by equidistant numbers, which costs one hash
+            pick = _pick(numbers) + number * _GOLDEN
+            pick -= dr.floor(pick)
             scores = self._met(scores, vertex.shape, si, values, pick, active)
         if self.panes and sample.shadow_ray is not None:
             start = vertex.leave(sample.direction, active)
@@ -293,6 +298,6 @@ def _in_channels(
     return two_reflectances(pair[0]), pair[1]
 
 
-def _pick(numbers: PathNumbers, purpose: mi.UInt32 | int) -> mi.Float:
-    # Random number of a vertex that chooses the vertex or the pair
+def _pick(numbers: PathNumbers, purpose: mi.UInt32 | int = 0) -> mi.Float:
+    # Random number of a vertex, or of a pane beyond it, that chooses vertex or pair
     return numbers.hashed(numbers.vertex * _PER_VERTEX + (_CHOICES + purpose))

@@ -5,6 +5,7 @@ and bitwise reproducible. Radiance has no upper limit and is summed in floating 
 Sparse rows are recorded, contribution by contribution.
 """
 
+import math
 from dataclasses import dataclass
 
 import drjit as dr
@@ -51,16 +52,24 @@ class MatrixSink:
         self, slot, column, weights: list[mi.Float], active, *, signed: bool = False
     ) -> None:
         # Add weights in fixed point to the channels of a row and column
+        amounts = [_fixed_point(weight, signed=signed) for weight in weights]
+        self._scatter_amounts(slot, column, amounts, active)
+
+    def _scatter_amounts(self, slot, column, amounts: list[mi.UInt64], active) -> None:
         index = (slot * self.columns + column) * self.channels + 1
-        for channel, weight in enumerate(weights):
-            scaled = weight * _HALF
-            high, low = mi.UInt32, mi.UInt64
-            if signed:
-                high, low = mi.Int32, mi.Int64
-            whole = high(mi.Int32(scaled))
-            rest = high(mi.Int32((scaled - mi.Float(whole)) * _HALF))
-            amount = mi.UInt64((low(whole) << 20) + low(rest))
+        for channel, amount in enumerate(amounts):
             dr.scatter_add(self.sums, amount, index + channel, active, _reduction())
+
+
+def _fixed_point(weight: mi.Float, *, signed: bool = False) -> mi.UInt64:
+    # A weight in fixed point, in two's complement if it is signed
+    scaled = weight * _HALF
+    high, low = mi.UInt32, mi.UInt64
+    if signed:
+        high, low = mi.Int32, mi.Int64
+    whole = high(mi.Int32(scaled))
+    rest = high(mi.Int32((scaled - mi.Float(whole)) * _HALF))
+    return mi.UInt64((low(whole) << 20) + low(rest))
 
 
 @dataclass
@@ -85,17 +94,27 @@ class DerivativeSink(MatrixSink):
         """Add the derivatives of the contribution of a path."""
         places = self._places
         batch = self.batch + places.batches * (1 + scores.parameter)
-        first = places.unit_of_first * scores.count
-        self._add(
-            batch, column, value, first, scores.value, active & (scores.count > 0)
-        )
+        found = active & (scores.count > 0)
+        if scores.value is None:
+            self._add_multiple(batch, column, value, scores.count, found)
+        else:
+            first = places.unit_of_first * scores.count
+            self._add(batch, column, value, first, scores.value, found)
 
+        # Most packets are in batches without second derivatives, and skip them
+        def second(active):
+            self._differentiate_twice(column, value, scores, active)
+
+        summed = found & (self.batch < places.of_pairs)
+        dr.if_stmt((summed,), summed, second, lambda _: None)
+
+    def _differentiate_twice(self, column, value, scores, active) -> None:
         # Pairs of vertices, in either order if both have the same parameter
+        places = self._places
         one = dr.minimum(scores.one, scores.other)
         other = dr.maximum(scores.one, scores.other)
         pairs = 0.5 * scores.count * (scores.count - 1)
         pairs *= dr.select(one == other, mi.Float(2), mi.Float(1))
-        active = active & (self.batch < places.of_pairs)
         both = active & (scores.count > 1)
         second = places.unit_of_second * pairs
         place = places.pair(one, other)
@@ -104,6 +123,19 @@ class DerivativeSink(MatrixSink):
             own = scores.parameter
             factor, place = places.unit_of_second * scores.count, places.pair(own, own)
             self._add(place, column, value, factor, scores.curved, active)
+
+    def _add_multiple(self, place, column, value, count, active) -> None:
+        # Add a first derivative that is a multiple of the value, in integers: a value
+        # below 2^11 in units of 2^-40, times at most 2^10 vertices, fits into 64 bits
+        slot = self.row * self._places.count + place
+        shift = -round(math.log2(self._places.unit_of_first))
+        number = mi.UInt64(mi.UInt32(count))
+        fits = dr.max(value) < _LARGEST
+        amounts = [
+            (_fixed_point(value[channel]) * number) >> shift
+            for channel in range(self.channels)
+        ]
+        self._scatter_amounts(slot, column, amounts, active & fits)
 
     def _add(self, place, column, value, factor, score, active) -> None:
         # Add a derivative, which may be negative

@@ -200,7 +200,8 @@ class ViewPointTracer:
         return representative_steps(self.skies)
 
     @property
-    def _sunlit(self) -> bool:
+    def sunlit(self) -> bool:
+        """Whether direct sunlight has matrices of its own."""
         return any(term.part == "sun" for term in self.terms)
 
     def view_matrices(
@@ -209,7 +210,7 @@ class ViewPointTracer:
         """Return V by window name; of reflected light alone if the sun is direct."""
         cells = samples.cells(point.position)
         inner = [each.window for each in self.windows]
-        trace = reflected_view_matrices if self._sunlit else picture_view_matrices
+        trace = reflected_view_matrices if self.sunlit else picture_view_matrices
         return trace(self.scene, inner, cells, effort=effort)
 
     def traced(
@@ -223,7 +224,7 @@ class ViewPointTracer:
     ) -> ViewPoint:
         """Return the view point with given V; trace the paths to the windows."""
         paths = None
-        if self._sunlit:
+        if self.sunlit:
             own = replace(
                 effort,
                 samples=sun_samples,

@@ -92,7 +92,7 @@ class ViewPoint:
         own = [np.asarray(state)[lit] for state in given]
         known = errors and "dgp" in quantities
         with linear_algebra_in_one_thread():
-            self._keep_beams(own, lit)
+            self.keep_beams(own, lit)
             sun = self.sun_disc(own, lit)
             if known:
                 luminance, variance, value = self._luminance(own, lit, sun)
@@ -173,8 +173,11 @@ class ViewPoint:
             light[block.rows, block.times.start + block.steps] = block.light[0]
         return light
 
-    def _keep_beams(self, states: States, steps: Int[np.ndarray, " step"]) -> None:
-        # Trace the narrow beams of all time steps together
+    def keep_beams(self, states: States, steps: Int[np.ndarray, " step"]) -> None:
+        """Trace the narrow beams of all time steps together, and keep their light.
+
+        `states` are those at the given time steps.
+        """
         suns, weights = self.skies.suns, self._weights
         for window, chosen in zip(self.windows, states, strict=True):
             if suns is None or window.sun is None:

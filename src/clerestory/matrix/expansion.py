@@ -60,6 +60,34 @@ def expanded(
     return found
 
 
+def expanded_matrix(
+    matrix: "TransferMatrix", changes: Mapping[str, float]
+) -> "TransferMatrix":
+    """Return a matrix for changed parameters, by the second-order expansion.
+
+    Its error components are those of the linear expansion. A matrix without derivatives
+    does not depend on the parameters.
+
+    Raises
+    ------
+    InputError : no derivative by a parameter
+    """
+    of = matrix.derivatives
+    if of is None:
+        return matrix
+    change = parameter_changes(of.names, changes)[None]
+    values = expanded(matrix.values, of.first, of.second, change)[0]
+    parts = matrix.components
+    if parts is not None and of.components is not None:
+        parts = np.stack(
+            [
+                expanded(own, by, None, change)[0]
+                for own, by in zip(parts, of.components, strict=True)
+            ]
+        )
+    return replace(matrix, values=values, components=parts, derivatives=None)
+
+
 @checked_arguments
 def expanded_illuminance(
     data: "xr.Dataset",
@@ -110,6 +138,20 @@ def parameter_changes(
     for name in changes:
         one_of(name, "parameter", choices=list(names))
     return np.array([changes.get(name, 0.0) for name in names])
+
+
+def parameter_steps(
+    values: Float[np.ndarray, " parameter"], quantities: np.ndarray, step: float
+) -> Float[np.ndarray, "parameter 2"]:
+    """Return the steps of parameters downwards and upwards, within their ranges.
+
+    >>> steps = parameter_steps(np.array([0.98]), np.array(["reflectance"]), 0.05)
+    >>> steps.round(2).tolist()
+    [[-0.05, 0.02]]
+    """
+    most = np.where(quantities == "scale", np.inf, np.maximum(1, values))
+    low, high = np.maximum(-step, -values), np.minimum(step, most - values)
+    return np.column_stack([low, high])
 
 
 def labelled_derivatives(

@@ -14,7 +14,13 @@ from jaxtyping import Bool, Float, Float32
 
 from clerestory.checks import require
 from clerestory.matrix.error_components import UNIT, signed_sums
-from clerestory.matrix.expansion import FIRST, FIRST_ERROR, FIRST_PARTS, SECOND
+from clerestory.matrix.expansion import (
+    FIRST,
+    FIRST_ERROR,
+    FIRST_PARTS,
+    SECOND,
+    parameter_steps,
+)
 from clerestory.metrics.climate_based_metrics import (
     TARGET_LUX,
     share_at,
@@ -62,7 +68,7 @@ def metric_changes(
     """
     require(np.any(hours), "no time step is within the schedule; at least one expected")
     values = derivatives["parameter_value"].values
-    steps = _steps(values, derivatives["parameter_quantity"].values, step)
+    steps = parameter_steps(values, derivatives["parameter_quantity"].values, step)
     parts = [
         _block(hourly, derivatives, hours, block, steps, target_lux)
         for block in _blocks(len(grids))
@@ -94,15 +100,6 @@ def metric_changes(
 
 
 _AXES = "parameter", "change", "figure", "place"
-
-
-def _steps(
-    values: Float[np.ndarray, " parameter"], quantities: np.ndarray, step: float
-) -> Float[np.ndarray, "parameter 2"]:
-    # Steps downwards and upwards, within the range of the parameters
-    most = np.where(quantities == "scale", np.inf, np.maximum(1, values))
-    low, high = np.maximum(-step, -values), np.minimum(step, most - values)
-    return np.column_stack([low, high])
 
 
 def _blocks(sensors: int) -> Iterator[slice]:

@@ -17,6 +17,7 @@ from typing import Literal, Unpack
 import numpy as np
 
 from clerestory.bands import Bands
+from clerestory.checks import require
 from clerestory.engine.controller import estimate
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.matrix_jobs import PixelViewJob
@@ -25,17 +26,23 @@ from clerestory.matrix.axis import pixel_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.separate_coefficients import has_proxies
 from clerestory.phases.traced_matrices import (
+    Differentiated,
     matrix_effort,
     patch_axes,
     require_distinct,
+    split_columns,
     warn_if_short,
 )
+from clerestory.scene.material_parameters import material_parameters
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 
 # Number of batches of paths per pixel; two, to save memory: half of their difference is
 # the error component of a pixel
 _BATCHES = 2
+
+# Number of batches of matrices with derivatives, each with its error component
+_DIFFERENTIATED = 8
 
 
 def picture_view_matrices(
@@ -79,6 +86,44 @@ def reflected_view_matrices(
     whole = _traced(scene, windows, camera, "all", effort)
     direct = _traced(scene, windows, camera, "direct", effort)
     return {name: _difference(whole[name], direct[name]) for name in whole}
+
+
+def differentiated_view_matrices(
+    scene: Scene,
+    windows: Sequence[Window],
+    camera: PixelsOrCells,
+    *,
+    derivatives: Differentiated,
+    reflected: bool = False,
+    **keywords: Unpack[EffortKeywords],
+) -> dict[str, TransferMatrix]:
+    """View matrices of a picture with derivatives, and the errors of all batches.
+
+    Parameters
+    ----------
+    derivatives : names of materials, or "all"; see `view_matrix`
+    reflected : whether to trace V - V_d instead of V
+
+    The other parameters are those of `picture_view_matrices`.
+    """
+    effort = matrix_effort(differentiated_view_matrices, keywords)
+    require_distinct(windows)
+    refused = reflected and has_proxies(scene)
+    require(
+        not refused, "derivatives of pictures through proxies; a scene without expected"
+    )
+    job = PixelViewJob(
+        scene=scene,
+        windows=tuple(windows),
+        camera=camera,
+        light="reflected" if reflected else "all",
+        derivatives=material_parameters(scene, derivatives),
+        **effort.job_options(_DIFFERENTIATED),
+    )
+    estimated = estimate(job, replace(effort, components=True))
+    warn_if_short(estimated, "view matrix of the picture", effort)
+    columns = patch_axes(windows, "interior")
+    return split_columns(estimated, pixel_axis(len(camera)), columns, scene.bands)
 
 
 def _difference(whole: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:

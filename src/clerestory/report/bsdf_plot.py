@@ -150,7 +150,7 @@ def share_figure(
         for bsdf, title in zip(bsdfs, titles, strict=True):
             share = bsdf.hemispherical(sources, function=function, channel=channel)
             panel.plot(angle, share, drawstyle="steps-mid", label=title, linewidth=1.4)
-        panel.set_xlabel(f"angle of the source to the normal [°]: {ends}", fontsize=8)
+        panel.set_xlabel(f"angle of the source to the normal [°]\n{ends}", fontsize=8)
         panel.set_xlim(-90, 90)
         panel.set_xticks(range(-90, 91, 30))
         panel.grid(alpha=0.25)

@@ -34,6 +34,10 @@ _SHAPES = {
 }
 
 
+# Probability that is not rounded to 0 or 1
+_NEARLY_NONE = 0.01
+
+
 class KnownFigure(NamedTuple):
     """A figure of merit with both of its errors, and what causes them."""
 
@@ -200,9 +204,16 @@ def probabilities(data: xr.Dataset) -> list[tuple[str, list[str]]]:
             str(data[f"probable_{part}"].values[k])
             for part in ("standard", "space", "criterion", "level")
         )
-        chance = f"{100 * float(data['probability'].values[k]):.0f} %"
+        chance = _share(float(data["probability"].values[k]))
         rows.append((f"{standard}: {criterion}", [space, level, chance]))
     return rows
+
+
+def _share(value: float) -> str:
+    # 0 and 100 % only if it is none or all of the cases
+    if 0 < value < _NEARLY_NONE:
+        return "below 1 %"
+    return "above 99 %" if 1 - _NEARLY_NONE < value < 1 else f"{100 * value:.0f} %"
 
 
 def _checks(data: xr.Dataset) -> list[tuple[str, list[str]]]:

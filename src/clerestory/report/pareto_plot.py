@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float
 
 from clerestory.image.colour_scale import ColourScale
 from clerestory.report.colour import colour_bar, hexadecimal, value_colours
+from clerestory.report.label_places import label_places
 from clerestory.report.markup import Markup, drawing, element, join
 from clerestory.report.uncertain_value import number
 from clerestory.study.optimise_tables import GoalTable
@@ -19,6 +20,8 @@ from clerestory.study.variant_figures import RunFigures, VariantFigure
 
 _WIDTH, _HEIGHT = 640.0, 400.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58.0, 24.0, 16.0, 46.0
+
+_RADIUS = 6
 _PLAIN = "#1f4e79"
 
 # Smallest range of an axis, in the unit of the figure
@@ -122,8 +125,21 @@ def pareto_plot(runs: Sequence[RunFigures], shown: Objectives) -> Markup:
         values = np.array([figure.value for figure in shown.colour])
         colours = hexadecimal(value_colours(scale, values))
         bar = join(element("p", shown.colour[0].name, class_="note"), colour_bar(scale))
+    places = [
+        (_across(x.value, axes), _up(y.value, axes))
+        for x, y in zip(shown.across, shown.up, strict=True)
+    ]
+    labels = label_places(places, radius=_RADIUS)
     dots = [
-        _dot(k, runs[k].name, shown, axes, colours[k], efficient=bool(efficient[k]))
+        _dot(
+            k,
+            runs[k].name,
+            shown,
+            axes,
+            colours[k],
+            efficient=bool(efficient[k]),
+            label=labels[k],
+        )
         for k in np.argsort(efficient, kind="stable").tolist()
     ]
     names = f"{shown.up[0].name} against {shown.across[0].name}"
@@ -188,6 +204,7 @@ def _dot(
     colour: str,
     *,
     efficient: bool,
+    label: tuple[float, float],
 ) -> Markup:
     across, up = shown.across[at], shown.up[at]
     x, y = _across(across.value, axes), _up(up.value, axes)
@@ -204,8 +221,8 @@ def _dot(
         "g",
         element("title", words),
         element("path", d=bars, stroke="#8a939d", fill="none"),
-        element("circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r=6, fill=colour, **rim),
-        element("text", at + 1, x=f"{x + 9:.1f}", y=f"{y - 6:.1f}"),
+        element("circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r=_RADIUS, fill=colour, **rim),
+        element("text", at + 1, x=f"{label[0]:.1f}", y=f"{label[1]:.1f}"),
     )
 
 

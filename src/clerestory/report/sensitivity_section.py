@@ -34,24 +34,37 @@ def sensitivity_section(content: ReportContent) -> Section:
     data = content.data
     if "sensitivity" not in data:
         return Section()
-    places = [str(place) for place in data["place"].values]
-    parts = [(place, _figures(data.sel(place=place))) for place in places]
+    found = [data, *([_of_glare(data)] if "glare_sensitivity" in data else [])]
+    parts = [(str(p), one.sel(place=p)) for one in found for p in one["place"].values]
     return Section(
         render(
             "sensitivity.html",
-            heads=[_head(data, str(name)) for name in data["figure"].values],
-            parts=parts,
+            parts=[(place, _figures(part)) for place, part in parts],
             several=len(parts) > 1,
-            lines=[(place, _lines(data.sel(place=place))) for place in places],
+            tables=[(place, _heads(part), _lines(part)) for place, part in parts],
             example=_example(data),
             keys=((_MORE, "lighter or clearer"), (_LESS, "darker or less clear")),
+            glare=len(found) > 1,
         )
     )
 
 
+def _of_glare(data: xr.Dataset) -> xr.Dataset:
+    # Changes of glare under the names of those of light
+    names = [name for name in data if str(name).startswith("glare_sensitivity")]
+    common = ["sensitivity_value", "sensitivity_quantity"]
+    renamed = {name: str(name).removeprefix("glare_") for name in names}
+    renamed |= {"glare_figure": "figure", "view": "place"}
+    return data[[*names, *common]].rename(renamed)
+
+
+def _heads(data: xr.Dataset) -> list[str]:
+    return [_head(data, str(name)) for name in data["figure"].values]
+
+
 def _head(data: xr.Dataset, name: str) -> str:
     unit = str(data["sensitivity_unit"].sel(figure=name).values)
-    return f"{name} [{'points' if unit == '%' else unit}]"
+    return f"{name} [{'points' if unit == '%' else unit}]" if unit else name
 
 
 def _figures(data: xr.Dataset) -> list[tuple[str, Markup]]:
@@ -63,7 +76,7 @@ def _figures(data: xr.Dataset) -> list[tuple[str, Markup]]:
             unit = _unit(one)
             base = number(float(one["sensitivity_base"]))
             sign = "%" if unit == "points" else unit
-            found.append((f"{name}, now {base} {sign}", _tornado(one, unit)))
+            found.append((f"{name}, now {base} {sign}".strip(), _tornado(one, unit)))
     return found
 
 

@@ -4,7 +4,7 @@ Inputs are computed on demand.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
@@ -154,8 +154,8 @@ class ControlInputs:
             daylight = whole.factors[0][-1]  # D of shade state 0
             outer = self.inputs.groups[group].outer.partition
             values = outer.projected_solid_angles()[None, :] @ daylight.values
-            return replace(
-                daylight, values=values, rows=sensor_axis(1), components=None
+            return TransferMatrix(
+                values, sensor_axis(1), daylight.columns, bands=daylight.bands
             )
         partition = self.skies.whole.partition
         outward = -self.inputs.groups[group].inner.frame.normal

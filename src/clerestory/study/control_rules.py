@@ -6,70 +6,33 @@ groups evaluated later are closed, so that limits on illuminance or DGP can be m
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from clerestory.checks import require
 from clerestory.control.bright_period import bright_states
 from clerestory.control.control_rule import Situation, apply_rule, load_rule
 from clerestory.control.profile_angle import blocking_states
 from clerestory.control.schedule import states_at
+from clerestory.control.season import SEASONS, season_numbers
 from clerestory.control.state_choice import Limit, best_states, least_closed
 from clerestory.control.threshold import staged_states, threshold_states
 from clerestory.errors import InputError
 from clerestory.glare.dgp import simplified_dgp
 from clerestory.metrics.melanopic import MELANOPIC_LUX
-from clerestory.study.control_inputs import ControlInputs
-from clerestory.study.window_tables import ControlTable
+from clerestory.study.control_case import Case, StateTimes
 
 DGP_BELOW = 0.40
 
-_StateTimes = Int[np.ndarray, " time"]
 
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """Inputs of the control rule of one window group, given by its index `number`.
-
-    `others` has the shade states of all groups; entry `number` is ignored.
-    """
-
-    signals: ControlInputs
-    number: int
-    control: ControlTable
-    others: list[_StateTimes]
-
-    @property
-    def count(self) -> int:
-        """Number of shade states of the group."""
-        return len(self.signals.inputs.groups[self.number].states)
-
-    def with_state(self, state: int) -> list[_StateTimes]:
-        """Shade states of all groups, with this group always in state `state`."""
-        states = list(self.others)
-        states[self.number] = np.full_like(states[self.number], state)
-        return states
-
-    def illuminance(self, grid: str) -> list[Float[np.ndarray, "sensor time"]]:
-        """Illuminance [lux] of a grid for each shade state of this group."""
-        states = map(self.with_state, range(self.count))
-        return [self.signals.illuminance(state, grid) for state in states]
-
-    def melanopic_edi(self, grid: str) -> list[Float[np.ndarray, "sensor time"]]:
-        """Melanopic EDI [lux] of a grid for each shade state of this group."""
-        states = map(self.with_state, range(self.count))
-        return [self.signals.melanopic_edi(state, grid) for state in states]
-
-
-def fixed(case: Case) -> _StateTimes:
+def fixed(case: Case) -> StateTimes:
     """Return the shade state of rule "fixed", the same at all time steps."""
     group = case.signals.inputs.groups[case.number]
     return np.full(len(case.signals.times), group.number_of(case.control.state))
 
 
-def cut_off(case: Case) -> _StateTimes:
+def cut_off(case: Case) -> StateTimes:
     """Return the shade state of the most open slat tilt that blocks direct sun."""
     control = case.control
     profile = case.signals.profile(case.number, vertical=control.vertical)
@@ -84,7 +47,7 @@ def cut_off(case: Case) -> _StateTimes:
     return np.where(sunny, found + len(control.tilts_deg) - len(slats), 0)
 
 
-def by_profile(case: Case) -> _StateTimes:
+def by_profile(case: Case) -> StateTimes:
     """Return the count of `angles_deg` above the solar profile angle as shade state."""
     angle = case.signals.profile(case.number, vertical=case.control.vertical)
     if case.control.vertical:
@@ -93,7 +56,7 @@ def by_profile(case: Case) -> _StateTimes:
     return np.where(_sunny(case), np.sum(below, axis=0), 0)
 
 
-def by_threshold(case: Case) -> _StateTimes:
+def by_threshold(case: Case) -> StateTimes:
     """Return shade states by thresholds of one quantity, with hysteresis and delays."""
     control = case.control
     quantity = _quantity(case)
@@ -118,7 +81,7 @@ def by_threshold(case: Case) -> _StateTimes:
     )
 
 
-def by_glare(case: Case) -> _StateTimes:
+def by_glare(case: Case) -> StateTimes:
     """Return the most open shade state with DGP below the limit."""
     bound = case.control.dgp_below or DGP_BELOW
     if case.control.grid:
@@ -128,7 +91,7 @@ def by_glare(case: Case) -> _StateTimes:
     return least_closed([Limit(dgp, bound)])
 
 
-def by_score(case: Case) -> _StateTimes:
+def by_score(case: Case) -> StateTimes:
     """Return the shade state of highest mean min(illuminance, target) within limits."""
     control = case.control
     target = control.target_lux or case.signals.study.metrics.target_lux
@@ -143,7 +106,7 @@ def by_score(case: Case) -> _StateTimes:
     return best_states(score, limits)
 
 
-def by_bright_period(case: Case) -> _StateTimes:
+def by_bright_period(case: Case) -> StateTimes:
     """Return the states that give melanopic light for four hours by noon."""
     control, signals = case.control, case.signals
     edi = np.stack([each.mean(axis=0) for each in case.melanopic_edi(control.grid)])
@@ -163,13 +126,22 @@ def by_bright_period(case: Case) -> _StateTimes:
     )
 
 
-def by_schedule(case: Case) -> _StateTimes:
+def by_schedule(case: Case) -> StateTimes:
     """Return the shade states of a schedule file; a line applies until the next one."""
     group = case.signals.inputs.groups[case.number]
     return states_at(group.schedule(), case.signals.times)[group.name]
 
 
-def by_function(case: Case) -> _StateTimes:
+def by_season(case: Case) -> StateTimes:
+    """Return the shade state of rule "season": one in each season."""
+    group = case.signals.inputs.groups[case.number]
+    states = [group.number_of(getattr(case.control, season)) for season in SEASONS]
+    latitude = case.signals.inputs.weather.latitude_deg
+    season = season_numbers(case.signals.times, latitude_deg=latitude)
+    return np.asarray(np.array(states)[season])
+
+
+def by_function(case: Case) -> StateTimes:
     """Return the shade states chosen by a user-defined function."""
     file, function = case.control.function.rsplit(":", 1)
     rule = load_rule(case.signals.study.folder / file, function)
@@ -222,14 +194,15 @@ def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
 
 
 # Rules by name: on exterior quantities, and on interior illuminance or glare
-OUTSIDE: dict[str, Callable[[Case], _StateTimes]] = {
+OUTSIDE: dict[str, Callable[[Case], StateTimes]] = {
     "fixed": fixed,
     "cut-off": cut_off,
     "profile angle": by_profile,
     "threshold": by_threshold,
+    "season": by_season,
     "schedule": by_schedule,
 }
-INSIDE: dict[str, Callable[[Case], _StateTimes]] = {
+INSIDE: dict[str, Callable[[Case], StateTimes]] = {
     "glare": by_glare,
     "best": by_score,
     "melanopic": by_bright_period,

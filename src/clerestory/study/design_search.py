@@ -20,6 +20,7 @@ from clerestory.errors import InputError
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.scene.material_parameters import with_parameters
 from clerestory.study.config import Study
+from clerestory.study.design_glare import GLARE, DesignSpace, glare_figures
 from clerestory.study.illuminance_expansion import illuminance_expansion
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Job
@@ -106,8 +107,11 @@ def candidates(variant: str, job: Job, table: OptimiseTable) -> Candidates:
     model = FigureModel(names, expansion, None, owner, target, 1.0)
     values = _values(ends, table)
     found = model.figures(values)
-    keys = figure_names(target, grids)
-    return Candidates(variant, values, dict(zip(keys, found, strict=True)))
+    figures = dict(zip(figure_names(target, grids), found, strict=True))
+    if any(own.figure == GLARE for own in (*table.goal, *table.limit)):
+        space = DesignSpace(quantities, ends, steps)
+        figures |= glare_figures(job, situation, space, values)
+    return Candidates(variant, values, figures)
 
 
 def _values(ends: np.ndarray, table: OptimiseTable) -> np.ndarray:
@@ -131,7 +135,7 @@ def named_figure(
     InputError : no figure of this name, or no grid of this name has it
     """
     names = list(dict.fromkeys(name for name, _ in keys))
-    known = "; ".join(names)
+    known = "; ".join(dict.fromkeys([*names, GLARE]))
     message = f'[optimise] names the figure "{wanted.figure}"; one of {known} expected'
     require(wanted.figure in names, message)
     places = [place for name, place in keys if name == wanted.figure]

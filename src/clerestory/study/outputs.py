@@ -192,8 +192,20 @@ def write_compliance(results: Results, path: str | Path) -> None:
 
 def write_sensitivity(results: Results, path: str | Path) -> None:
     """Write the change of each metric for a change of each material, line by line."""
-    data = results.data
-    sizes = data["sensitivity"].sizes
+    rows = _sensitivity_rows(results.data, "sensitivity", ("place", "figure"))
+    if "glare_sensitivity" in results.data:
+        of = "view", "glare_figure"
+        rows += _sensitivity_rows(results.data, "glare_sensitivity", of)
+    head = "material,quantity,grid,metric,unit,value,step,metric now,change"
+    head += ",standard error of the change"
+    _write_lines(path, [head, *(csv_line(row) for row in rows)])
+
+
+def _sensitivity_rows(
+    data: xr.Dataset, name: str, of: tuple[str, str]
+) -> list[list[str]]:
+    # Lines of all changes of a variable; `of` are the axes of places and metrics
+    sizes = data[name].sizes
     rows = []
     for index in np.ndindex(*sizes.values()):
         at = dict(zip(sizes, index, strict=True))
@@ -202,23 +214,21 @@ def write_sensitivity(results: Results, path: str | Path) -> None:
             float(one[name])
             for name in (
                 "sensitivity_value",
-                "sensitivity_step",
-                "sensitivity_base",
-                "sensitivity",
-                "sensitivity_error",
+                f"{name}_step",
+                f"{name}_base",
+                name,
+                f"{name}_error",
             )
         )
         names = (one["parameter"], one["sensitivity_quantity"])
-        words = (one["place"], one["figure"], one["sensitivity_unit"])
+        words = (*(one[axis] for axis in of), one[f"{name}_unit"])
         rows.append(
             [
                 *(str(each.values) for each in (*names, *words)),
                 *(f"{number:.6g}" for number in numbers),
             ]
         )
-    head = "material,quantity,grid,metric,unit,value,step,metric now,change"
-    head += ",standard error of the change"
-    _write_lines(path, [head, *(csv_line(row) for row in rows)])
+    return rows
 
 
 def write_requirements(results: Results, path: str | Path) -> None:

@@ -76,6 +76,12 @@ _NUMBERS = {
     "sensitivity_base": ("figure", "place"),
     "sensitivity_step": ("parameter", "change"),
     "sensitivity_value": ("parameter",),
+    **dict.fromkeys(
+        ("glare_sensitivity", "glare_sensitivity_error"),
+        ("parameter", "change", "glare_figure", "view"),
+    ),
+    "glare_sensitivity_base": ("glare_figure", "view"),
+    "glare_sensitivity_step": ("parameter", "change"),
 }
 _OF_VERDICTS = ("standard", "space", "criterion", "words", "levels")
 _OF_QUANTITIES = ("standard", "space", "criterion", "name", "unit", "limits")
@@ -105,6 +111,8 @@ _NAMES = {
     "change": ("change",),
     "figure": ("figure",),
     "sensitivity_unit": ("figure",),
+    "glare_figure": ("glare_figure",),
+    "glare_sensitivity_unit": ("glare_figure",),
     "place": ("place",),
 }
 _TIMES = {"time": ("time",), "moment": ("moment",)}

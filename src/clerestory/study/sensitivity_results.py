@@ -5,6 +5,7 @@ import xarray as xr
 from clerestory.metrics.metric_changes import metric_changes
 from clerestory.phases.matrix_equation import States
 from clerestory.study.control_inputs import ControlInputs
+from clerestory.study.glare_sensitivity import glare_sensitivity
 
 
 def sensitivity_results(
@@ -19,7 +20,7 @@ def sensitivity_results(
         return xr.Dataset()
     grids = signals.inputs.grids.items()
     derivatives = matrices.illuminance_derivatives(signals.skies, states, second="own")
-    return metric_changes(
+    light = metric_changes(
         hourly,
         derivatives,
         signals.occupied,
@@ -27,3 +28,4 @@ def sensitivity_results(
         step=study.sensitivity.step,
         target_lux=study.metrics.target_lux,
     )
+    return light.merge(glare_sensitivity(signals, states))

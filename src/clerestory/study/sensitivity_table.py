@@ -28,3 +28,4 @@ class SensitivityTable(Table):
     step: float = Field(
         0.05, gt=0, le=0.5, description="a change above 0, up to 0.5, such as 0.05"
     )
+    glare: bool = False

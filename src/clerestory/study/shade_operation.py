@@ -12,8 +12,9 @@ from jaxtyping import Bool, Int
 
 from clerestory.control.lm83_blinds import Operation, operate_by_direct_sun
 from clerestory.control.state_choice import when_occupied
+from clerestory.study.control_case import Case
 from clerestory.study.control_inputs import ControlInputs
-from clerestory.study.control_rules import INSIDE, OUTSIDE, Case
+from clerestory.study.control_rules import INSIDE, OUTSIDE
 from clerestory.study.window_groups import WindowGroup
 from clerestory.study.window_tables import INTERIOR, ControlTable
 from clerestory.study.zone_control_rules import (

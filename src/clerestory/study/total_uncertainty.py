@@ -4,7 +4,7 @@ Quasi-random draws of the unknown quantities give the distribution of each figur
 its Sobol' indices. Draws far from the model are traced again, to check the expansion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from clerestory.study.retracing import Situation
 from clerestory.study.uncertain_figures import (
     FigureModel,
     assessments,
+    varying_criteria,
 )
 from clerestory.study.unknown_quantities import UnknownQuantities, unknown_quantities
 from clerestory.study.variant_figures import VariantFigure, run_figures
@@ -80,7 +81,7 @@ def total_uncertainty(
     if standards:
         named = model.named(draws.alternating)
         each = assessments(data, standards, whole, sun, named)
-        parts.append(_probabilities(each))
+        parts.append(_probabilities(each, varying_criteria(data, standards)))
     report(1.0, "done")
     return xr.merge(parts)
 
@@ -141,14 +142,17 @@ def _table(
     return xr.Dataset(told, coords=coords)
 
 
-def _probabilities(each: Sequence[tuple[Assessment, ...]]) -> xr.Dataset:
-    # Probability of reaching each level of each criterion
+def _probabilities(
+    each: Sequence[tuple[Assessment, ...]], varying: Collection[str]
+) -> xr.Dataset:
+    # Probability of reaching each level of each criterion that depends on the light
     rows = []
     for one in range(len(each[0])):
         first = each[0][one]
         for number, verdict in enumerate(first.verdicts):
             levels = np.array([own[one].verdicts[number].level for own in each])
-            if not verdict.levels or (levels < 0).any():
+            known = verdict.levels and (levels >= 0).all()
+            if not known or verdict.criterion not in varying:
                 continue
             for level, words in enumerate(verdict.levels):
                 share = float((levels >= level).mean())

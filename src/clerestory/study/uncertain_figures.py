@@ -29,6 +29,9 @@ _ROUNDING = 1e-9
 # Largest number of hourly values that are computed at a time
 _VALUES = 2**25
 
+# Illuminance below which errors are not relative [lux]
+_DARK = 1e-3
+
 # Largest number of draws for which standards are assessed, and of hourly values of
 # replicates that are kept
 _ASSESSED, _KEPT = 256, 2**27
@@ -150,17 +153,13 @@ def assessments(
     """
     chosen, lux = standards_named(standards), data["illuminance"]
     count = min(len(next(iter(draws.values()))), _ASSESSED)
-    noise = _deviations(data)
-    hourly = [name for name in data if str(name).endswith(("_error", "_components"))]
-    bare = data.drop_vars(
-        [*hourly, "standard_error", "error_components"], errors="ignore"
-    )
+    noise, bare = _deviations(data), _without_hourly_errors(data)
     found = []
     for number in range(count):
         one = {name: own[number : number + 1] for name, own in draws.items()}
         values = expansion.illuminance(one)[0]
         if noise:
-            values = values + noise[number % len(noise)]
+            values = values * (1 + noise[number % len(noise)])
         changed = {"illuminance": lux.copy(data=values.astype(lux.dtype))}
         if direct is not None:
             sun = data["direct_open"]
@@ -170,11 +169,36 @@ def assessments(
     return found
 
 
+def varying_criteria(data: xr.Dataset, standards: Sequence[str]) -> set[str]:
+    """Return the criteria that would change if there were hardly any light.
+
+    Those of daylight factors, view out and glare do not depend on the hourly light.
+    """
+    chosen, bare = standards_named(standards), _without_hourly_errors(data)
+    light = [name for name in ("illuminance", "direct_open") if name in bare]
+    dark = bare.assign({name: 1e-6 * bare[name] for name in light})
+    return {
+        one.criterion
+        for each, other in zip(assess(bare, chosen), assess(dark, chosen), strict=True)
+        for one, same in zip(each.verdicts, other.verdicts, strict=True)
+        if [q.value for q in one.quantities] != [q.value for q in same.quantities]
+    }
+
+
+def _without_hourly_errors(data: xr.Dataset) -> xr.Dataset:
+    parts = (name for name in data if str(name).endswith(("_error", "_components")))
+    hourly = [name for name in parts if "time" in data[name].dims]
+    return data.drop_vars(
+        [*hourly, "standard_error", "error_components"], errors="ignore"
+    )
+
+
 def _deviations(data: xr.Dataset) -> list[np.ndarray]:
-    # Errors of the illuminance in each replicate
+    # Relative errors of the illuminance in each replicate
     errors = errors_of(data)
     lux = data["illuminance"].transpose("sensor", "time")
     if errors["components"] is None or lux.size * 32 > _KEPT:
         return []
     found = replicates(lux, errors["standard_error"], errors["components"])
-    return [(one - lux).values.astype(np.float32) for one in found]
+    scale = np.maximum(lux.values, _DARK)
+    return [((one - lux).values / scale).astype(np.float32) for one in found]

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
+from clerestory.control.season import SEASONS
 from clerestory.documents import Table
 from clerestory.escaping import printable
 from clerestory.study.bsdf_field import BSDF, BsdfFile
@@ -32,6 +33,7 @@ RuleName = Literal[
     "best",
     "melanopic",
     "LM-83",
+    "season",
     "schedule",
     "python",
     "cooling season",
@@ -81,6 +83,7 @@ _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("target_lux", "dgp_below", "views", "view_grids", "state"),
     ),
     "LM-83": ((), ("grid", "sun_lux", "most_sensors")),
+    "season": ((), SEASONS),
     "schedule": (("file",), ()),
     "python": (("function",), ("needs", "views", "view_grids")),
     "cooling season": (("grid",), ("target_lux", "season_above", *_GLARE)),
@@ -134,6 +137,10 @@ class ControlTable(Table):
     rule: RuleName = Field(description="the name of a rule")
     when_empty: StateChoice | None = None
     state: StateChoice = 0
+    winter: StateChoice = 0
+    spring: StateChoice = 0
+    summer: StateChoice = 0
+    autumn: StateChoice = 0
     slat_width: float | None = Field(None, gt=0, description="metres")
     slat_spacing: float | None = Field(None, gt=0, description="metres")
     tilts_deg: Tilts = Field(
@@ -251,7 +258,8 @@ class WindowTable(NamedFile, LayerTable):
         control, labels = self.control, [table.label for table in self.states()]
         if control is None:
             return
-        for choice in (control.state, control.when_empty):
+        seasons = [getattr(control, season) for season in SEASONS]
+        for choice in (control.state, control.when_empty, *seasons):
             require_rule(
                 choice in (None, *range(len(labels)), *labels),
                 f"no state {choice!r}; a number below {len(labels)} or one of"

@@ -20,9 +20,9 @@ from clerestory.control.zone_rules import (
     seasonal_states,
     zone_threshold_states,
 )
+from clerestory.study.control_case import Case
 from clerestory.study.control_rules import (
     DGP_BELOW,
-    Case,
     delay_steps,
     glare_by_state,
     glare_of_eyes,

@@ -75,6 +75,16 @@ def section(results):
     return found
 
 
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(0, "0 %"), (0.004, "below 1 %"), (0.824, "82 %"), (0.996, "above 99 %"),
+     (1, "100 %")],
+)  # fmt: skip
+def test_certainty_is_not_claimed_by_rounding(results, value, words):
+    data = results.data.assign(probability=("probable", [value]))
+    assert probabilities(data)[0][1][-1] == words
+
+
 def test_every_figure_has_both_errors_and_its_cause(results):
     first = known_figures(results.data)[0]
     assert first.simulation == "500.0 ± 0.2 lux"

@@ -1,20 +1,32 @@
 """Search of designs: Pareto fronts by brute force, windows, and whole optimisations."""
 
 import csv
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import InputError
+from clerestory.hemisphere.klems import klems
+from clerestory.phases.matrix_store import MatrixStore
+from clerestory.progress import silent
 from clerestory.radiance.window_reader import read_windows
 from clerestory.study.config import read_study
+from clerestory.study.design_glare import GLARE, quadratic_basis
 from clerestory.study.design_run import optimise_study, reduced_windows
 from clerestory.study.design_search import (
+    candidates,
+    chosen_designs,
     figure_names,
+    inputs_of,
     named_figure,
     non_dominated,
     spread,
 )
+from clerestory.study.job import Job
 from clerestory.study.optimise_tables import GoalTable
 from clerestory.study.variants import read_variants
 from uncertain_room import write_room
@@ -136,3 +148,128 @@ def test_impossible_limits_are_refused(tmp_path):
     limit = '[[optimise.limit]]\nfigure = "mean illuminance"\nleast = 1e6\n'
     with pytest.raises(InputError, match="no design is within the limits"):
         optimised(tmp_path, LIGHT + limit)
+
+
+def shaded_study(folder, text):
+    """The room of the command-line tests under a bright sky, with two shade states."""
+    shutil.copytree(Path(__file__).parents[2] / "cli" / "room", folder)
+    for name, passed in (("bright", 0.6), ("dim", 0.1)):
+        write_bsdf(folder / f"{name}.xml", lambertian(passed, klems("quarter")))
+    weather = folder / "two_days.wea"
+    lines = weather.read_text().splitlines()
+    bright = [
+        f"{head} {4 * float(diffuse):g}"
+        for head, diffuse in (line.rsplit(" ", 1) for line in lines[6:])
+    ]
+    weather.write_text("\n".join([*lines[:6], *bright]) + "\n")
+    file = folder / "study.toml"
+    study = file.read_text().replace('bsdf = "diffuser.xml"\n', "")
+    states = "".join(
+        f'\n[[window.state]]\nname = "{name}"\nbsdf = "{name}.xml"\n'
+        for name in ("bright", "dim")
+    )
+    head, rest = study.split("[[sensors]]", 1)
+    file.write_text(f"{head}{states}\n{text}\n[[sensors]]{rest}")
+    return file
+
+
+VIEW = """
+[[view]]
+name = "chair"
+position = [1.5, 2.0, 1.2]
+direction = [0, -1, 0]
+resolution = 140
+samples = 16
+"""
+SHARE = """
+[optimise]
+candidates = 64
+designs = 2
+
+[[optimise.variable]]
+kind = "window share"
+window = "south"
+low = 0.05
+high = 1.0
+
+[[optimise.goal]]
+figure = "mean illuminance"
+"""
+GREY = SHARE.replace('"window share"', '"reflectance"')
+GREY = GREY.replace('window = "south"', 'material = "grey"')
+GREY = GREY.replace("0.05", "0.3").replace("1.0", "0.8")
+
+
+def test_a_quadratic_function_is_found_again():
+    x = np.random.default_rng(2).uniform(-1, 1, (40, 3))
+    given = np.arange(10.0)
+    fit = np.linalg.lstsq(quadratic_basis(x), quadratic_basis(x) @ given, rcond=None)
+    assert fit[0] == pytest.approx(given)
+
+
+def searched(file, folder):
+    """Candidates of every variant, and the designs that are chosen from them."""
+    variants, found = read_variants(file), []
+    for variant in variants:
+        study = variant.study
+        job = Job(study, inputs_of(study), MatrixStore(folder), silent)
+        found.append(candidates(variant.name, job, study.optimise))
+    return found, chosen_designs(found, variants[0].study.optimise)
+
+
+def test_a_limit_of_glare_dims_the_window(tmp_path):
+    """More light is better; the limit is kept by less light through the window."""
+    limit = f'[[optimise.limit]]\nfigure = "{GLARE}"\nmost = 20\n'
+    file = shaded_study(tmp_path / "room", VIEW + SHARE + limit)
+    (found,), designs = searched(file, tmp_path / "matrices")
+    share, glare = found.values[:, 0], found.figures[GLARE, "chair"]
+    # DGP of a diffusing window rises with its light
+    order = np.argsort(share)
+    assert (np.diff(glare[order]) >= 0).all()
+    assert glare.min() <= 20 < glare.max()
+    # The mean illuminance, the goal, is proportional to the light of the window
+    assert designs[0].values["south window share"] == share[glare <= 20].max()
+
+
+@pytest.mark.slow
+def test_glare_of_designs_is_that_of_their_full_runs(tmp_path):
+    """Within one of the 32 steps with daylight; reflectances and no window share."""
+    goals = GREY + f'[[optimise.goal]]\nfigure = "{GLARE}"\n'
+    file = shaded_study(tmp_path / "room", VIEW + goals)
+    found = optimise_study(read_variants(file), out=tmp_path / "out")
+    for design, run in zip(found.designs, found.runs[1:], strict=True):
+        key = GLARE, "chair"
+        assert run.of(key).value == pytest.approx(design.figures[key], abs=100 / 32)
+
+
+def test_glare_without_a_view_is_refused(tmp_path):
+    limit = f'[[optimise.limit]]\nfigure = "{GLARE}"\nmost = 5\n'
+    file = shaded_study(tmp_path / "room", SHARE + limit)
+    with pytest.raises(InputError, match="no view is wide enough for glare"):
+        searched(file, tmp_path / "matrices")
+
+
+def test_states_by_season_are_discrete_choices(tmp_path):
+    """Of four combinations of states, the bright one in summer gives most in June."""
+    control = """
+[window.control]
+rule = "season"
+
+[sweep]
+window.south.control.winter = ["bright", "dim"]
+window.south.control.summer = ["bright", "dim"]
+"""
+    file = shaded_study(tmp_path / "room", control + SHARE)
+    found, designs = searched(file, tmp_path / "matrices")
+    assert len(found) == 4
+    key = "mean illuminance", "desk"
+    most = {own.variant: own.figures[key].max() for own in found}
+    chosen = {
+        variant.name: variant.study.window[0].control for variant in read_variants(file)
+    }
+    bright = [most[name] for name, own in chosen.items() if own.summer == "bright"]
+    dim = [most[name] for name, own in chosen.items() if own.summer == "dim"]
+    # The states transmit 0.6 and 0.1; winter does not count on two days of June
+    assert bright == pytest.approx([bright[0]] * 2)
+    assert dim == pytest.approx([bright[0] / 6] * 2, rel=1e-3)
+    assert chosen[designs[0].variant].summer == "bright"

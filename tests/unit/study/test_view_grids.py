@@ -10,8 +10,9 @@ import xarray as xr
 from clerestory.progress import silent
 from clerestory.scene.sensors import Sensors
 from clerestory.study.annual_view_grids import Hours, study_view_grids
+from clerestory.study.control_case import Case
 from clerestory.study.control_inputs import ControlInputs
-from clerestory.study.control_rules import Case, by_glare
+from clerestory.study.control_rules import by_glare
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.spaces import label_spaces
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
