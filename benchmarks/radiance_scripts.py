@@ -206,21 +206,26 @@ def main() -> None:
     versions = (
         f"pyradiance {pyradiance.__version__}, clerestory {clerestory.__version__}"
     )
+    columns = (
+        "script", "results", "sum", "deviation, noise", "worst", "Radiance [CPU s]",
+        "compat [CPU s]", "ratio",
+    )  # fmt: skip
     head = f"""# Radiance's shell scripts
 
 Scripts of LBNL's tutorial by Radiance and by `clerestory compat`
-(`benchmarks/radiance_scripts.py`). They run whole; changed are the size of pictures, to
-{given.pixels} × {given.pixels}, and `-n`, to one process. Radiance runs each twice, the second time with
-17 % more rays. Of all results of a script, matrices of 100 sensors and pictures by name:
-the largest deviation of the sum; the median of the root mean square deviations of ours
-from the mean of both runs of Radiance, and of these from each other; the result with the
-largest ratio of the two. Values are relative to the root mean square of the result.
-Processor seconds include children and the start of Python, about 0.5 s a program.
+(`benchmarks/radiance_scripts.py`). They run whole; changed are the size of pictures,
+to {given.pixels} × {given.pixels}, and `-n`, to one process. Radiance runs each twice,
+the second time with 17 % more rays. Of all results of a script, matrices of 100 sensors
+and pictures by name: the largest deviation of the sum; the median of the root mean
+square deviations of ours from the mean of both runs of Radiance, and of these from each
+other; the result with the largest ratio of the two. Deviations are relative to the root
+mean square of the result. Processor seconds include children and the start of Python,
+about 0.5 s a program.
 
 {day}, {platform.machine()}, {os.cpu_count()} cores, {versions}.
 
-| script | results | sum | deviation, noise | worst | Radiance [CPU s] | compat [CPU s] | ratio |
-|---|---|---|---|---|---|---|---|
+| {" | ".join(columns)} |
+{"|---" * len(columns)}|
 """
     page = head + "\n".join(lines) + "\n"
     if given.write:

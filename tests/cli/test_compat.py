@@ -95,6 +95,21 @@ def test_the_overhead_sun_has_its_solid_angle_as_coefficient(program):
     assert found.sum() == pytest.approx(omega, rel=1e-3)
 
 
+def test_pictures_of_suns_are_columns_of_the_matrix(program, field):
+    """One ray meets the sun, one does not; of 146 bins only the zenith has light."""
+    words = ("-e", "MF:1", "-f", "reinhart.cal", "-b", "rbin", "-m", "sun")
+    sizes = ("-x", 1, "-y", 2)
+    table = program("rcontrib", "-ab", 1, *words, *sizes, "sun.rad", stdin="rays")
+    assert table[0, :, 145] == pytest.approx([1, 0], abs=1e-6)
+    shown = ["-fac", *map(str, sizes), "-o", "a%03d.hdr"]
+    run_program(
+        "rcontrib", ["-ab", "1", *words, *shown, "sun.rad"], Streams(field / "rays")
+    )
+    pictures = [read_picture(path) for path in sorted(field.glob("a*.hdr"))]
+    found = np.stack([each.radiance.reshape(2, 3) for each in pictures], axis=-1)
+    assert found == pytest.approx(np.moveaxis(table, 0, 1), abs=1e-2)
+
+
 @pytest.mark.parametrize(
     ("name", "words", "message"),
     [

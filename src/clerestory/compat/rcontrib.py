@@ -45,8 +45,8 @@ _SUN_SR = 2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2))
 # Rays into the hemisphere of a sensor to find surfaces that scatter sunlight to it
 _HEMISPHERE = 256
 
-# Suns in each block of pictures
-_BLOCK = 64
+# Least number of suns in each block of pictures, and number of its coefficients
+_BLOCK, _ENTRIES = 64, 1 << 20
 
 # Columns of the coefficients: the index of a bin for each sun, and the number of bins
 _Bins = tuple[Int[np.ndarray, " sun"], int]
@@ -157,7 +157,9 @@ def _coefficients(
         receivers: Sensors | RayBundles = given.sensors(streams)
     else:
         receivers = given.bundles(streams)
-    every = count if given.writing != "c" else _BLOCK
+    every = count
+    if given.writing == "c":
+        every = max(_BLOCK, _ENTRIES // max(1, len(receivers)))
     for first in range(0, count, every):
         own = (column >= first) & (column < first + every)
         width = min(every, count - first)

@@ -115,11 +115,12 @@ def _axis(top: float, unit: str) -> list[Markup]:
     step = next(m * power for m in (5, 2, 1, 0.5, 0.2) if top / (m * power) >= 2)
     marks = []
     for value in np.arange(0, top * 1.0001, step).tolist():
-        y = f"{_TOP + _HEIGHT * (1 - value / top):.1f}"
-        line = f"M{_LEFT},{y}H{_WIDTH}"
+        y = _TOP + _HEIGHT * (1 - value / top)
+        line = f"M{_LEFT},{y:.1f}H{_WIDTH}"
         marks.append(element("path", d=line, stroke="#d8d4ca", stroke_width=0.7))
         text = f"{number(value)} {unit}" if value else "0"
-        marks.append(element("text", text, x=_LEFT - 5, y=y, text_anchor="end"))
+        place = {"x": _LEFT - 5, "y": f"{y + 4:.1f}"}
+        marks.append(element("text", text, text_anchor="end", **place))
     return marks
 
 
@@ -143,8 +144,8 @@ def _checks(data: xr.Dataset) -> list[str]:
     if "solar_balance" in data:
         lines.append(
             "Reflected, absorbed and transmitted radiation differ from the radiation on"
-            f" a window by at most {100 * float(data['solar_balance'].max()):.2g} % in"
-            " any hour; before scaling, surfaces absorb"
+            f" a window by {_at_most(float(data['solar_balance'].max()))} in any hour;"
+            " before scaling, surfaces absorb"
             f" {100 * float(data['zone_closure'].min()):.1f} % of the radiation that"
             " reaches the zone."
         )
@@ -162,6 +163,10 @@ def _checks(data: xr.Dataset) -> list[str]:
     return lines
 
 
+def _at_most(share: float) -> str:
+    return "less than 0.01 %" if share < 1e-4 else f"at most {100 * share:.2g} %"
+
+
 def _week(data: xr.Dataset, uses: Sequence[str], day: int, title: str) -> Markup:
     # Power of each use, hour by hour
     steps = data.sizes["time"] // 8760
@@ -171,17 +176,21 @@ def _week(data: xr.Dataset, uses: Sequence[str], day: int, title: str) -> Markup
     power = np.nan_to_num(data["energy"].isel(time=chosen).values) * steps
     top = max(float(power.max()), 1e-9)
     marks = _axis(top, "kW")
-    for k in range(8):
-        x = f"{_LEFT + (_WIDTH - _LEFT) * k / 7:.1f}"
-        line = f"M{x},{_TOP}V{_TOP + _HEIGHT}"
+    days = data["time"].dt.day.values[chosen][:: 24 * steps].tolist()
+    wide = (_WIDTH - _LEFT) / len(days)
+    for k, number_of_day in enumerate(days):
+        x = _LEFT + wide * k
+        line = f"M{x:.1f},{_TOP}V{_TOP + _HEIGHT}"
         marks.append(element("path", d=line, stroke="#d8d4ca", stroke_width=0.7))
+        place = {"x": f"{x + wide / 2:.1f}", "y": _TOP + _HEIGHT + 15}
+        marks.append(element("text", number_of_day, text_anchor="middle", **place))
     known = data["energy_use"].values.tolist()
     marks += [_curve(power[known.index(use)], top, _COLOURS[use]) for use in uses]
     return drawing(
         f"{title}: heating, cooling, lighting and equipment power",
         *marks,
         width=_WIDTH,
-        height=_TOP + _HEIGHT + 6,
+        height=_TOP + _HEIGHT + _FOOT,
     )
 
 

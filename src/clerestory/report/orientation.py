@@ -39,10 +39,13 @@ class Orientation:
 
 def orientation(window: WindowSurface, content: ReportContent) -> Orientation:
     """Return the orientation of one window."""
-    ahead = (content.sensors.position - window.centre) @ window.normal
-    in_front = float(np.mean(ahead > -1e-6))
+    apart = content.sensors.position - window.centre
+    ahead = apart @ window.normal > -1e-6
+    in_front = float(np.mean(ahead))
+    # In a building most sensors may be in other rooms, but not the nearest
+    nearest = np.linalg.norm(apart, axis=1).argmin()
     problem = ""
-    if in_front < 0.5:
+    if in_front < 0.5 and not ahead[nearest]:
         problem = (
             f"The front faces away from {1 - in_front:.0%} of the sensors."
             " The front must face the room: reverse the polygon’s vertices."

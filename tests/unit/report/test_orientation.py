@@ -48,6 +48,14 @@ def test_mistakes_are_named(content, normal, up, words):
     assert words in orientation(window(normal, up), content).problem
 
 
+def test_a_window_may_face_away_from_sensors_of_other_rooms(content):
+    """The sensors nearest to it are in front of it, more than half are behind it."""
+    x, y, z = content.sensors.position[content.sensors.position[:, 1].argmax()]
+    row = orientation(window([0, 1, 0], [0, 0, 1], (x, y - 0.01, z)), content)
+    assert row.in_front < 0.5
+    assert row.problem == ""
+
+
 def test_a_skylight_may_have_its_up_to_the_north(content):
     skylight = window([0, 0, -1], [0, 1, 0], centre=(3, 4, 2.7))
     assert orientation(skylight, content).problem == ""
