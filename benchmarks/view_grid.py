@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 from duel import stamp
 
-import clerestory as cl
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
+from clerestory.study.results import read_results
 
 WEATHER = "723170TYA.CSV"
 GOAL = 100
@@ -104,7 +104,7 @@ def run(folder: Path, count: int) -> dict[str, float]:
         "memory": after.ru_maxrss / 1e6,
     }
     stages = json.loads((out / "run.json").read_text())["seconds"]
-    data = cl.read_results(out).data
+    data = read_results(out / "results.nc").data
     found["wall"] = sum(stages.values())
     found["closed"] = float((data["state"] > 0).mean())
     return found | {f"stage {name}": spent for name, spent in stages.items()}

@@ -26,6 +26,7 @@ from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.engine import window_path_jobs
 from clerestory.hemisphere.klems import klems
 from clerestory.image.camera import Camera
+from clerestory.phases import sunlit_window
 from clerestory.phases.picture_matrices import (
     picture_view_matrices,
     reflected_view_matrices,
@@ -623,6 +624,27 @@ def test_beams_that_are_kept_are_those_of_single_blocks(device):
         np.testing.assert_allclose(
             other.batches, one.batches, rtol=1e-4, atol=1e-5 * most
         )
+
+
+def test_radiance_under_suns_that_are_known_is_that_without_memory(device, monkeypatch):
+    """Suns asked for before, again and twice; the irradiance is another one."""
+    scene, south = box(4, 5, 3, 0.5)
+    paths = picture_window_paths(
+        scene, [south], camera(size=24), samples=8, device=device
+    )
+    for layer in (blind("full"), blind("tree4")):
+        kept, fresh = (
+            in_sunlight(paths, "south", layer, suns=SUNS, peak=True).window
+            for _ in range(2)
+        )
+        suns, irradiance = np.array([0, 1, 2, 2]), np.array([1.0, 2.0, 3.0, 400.0])
+        kept.radiance(np.array([2, 0]), np.ones(2))
+        found = kept.radiance(suns, irradiance)
+        with monkeypatch.context() as patch:
+            patch.setattr(sunlit_window, "_KEPT", 0)
+            expected = fresh.radiance(suns, irradiance)
+        assert expected.max() > 1
+        np.testing.assert_allclose(found, expected, rtol=1e-5)
 
 
 def test_rough_plastic_reflects_the_sun(device):

@@ -85,10 +85,16 @@ def _blocks(
     disc_flux = sun.luminance * sun.solid_angle
     of_disc = np.stack([sun.solid_angle, disc_flux, *_moments(disc_flux, disc)])
     for begin in range(0, luminance.shape[1], _STEPS):
-        steps = slice(begin, begin + _STEPS)
-        level, beam = luminance[some, steps], sun.luminance[steps]
-        shines = visible[steps] & (beam > threshold[steps])
-        bright = level > threshold[steps]
+        steps = np.arange(begin, min(begin + _STEPS, luminance.shape[1]))
+        level = luminance[some, begin : begin + _STEPS]
+        bright, every = level > threshold[steps], len(steps)
+        shines = visible[steps] & (sun.luminance[steps] > threshold[steps])
+        # Steps with sources
+        lit_steps = np.flatnonzero(bright.any(axis=0) | shines)
+        if len(lit_steps) < every:
+            steps, shines = steps[lit_steps], shines[lit_steps]
+            level, bright = level[:, lit_steps], bright[:, lit_steps]
+        beam = sun.luminance[steps]
         high = bright & (level >= peak)
         near = shines & (direction @ sun.direction[steps].T > reach)
 
@@ -106,9 +112,10 @@ def _blocks(
                 disc_sums = (of_disc[:, steps] * lit)[:, None]
                 sums = np.concatenate([sums, disc_sums], axis=1)
                 block, step = np.nonzero(sums[0])
-                found.append(_Parts(group[block, step], step, sums[:, block, step]))
+                source = group[block, step]
+                found.append(_Parts(source, lit_steps[step], sums[:, block, step]))
                 first = int(group.max()) + 1
-        yield _block(found, bright.shape[1], view, model)
+        yield _block(found, every, view, model)
 
 
 def _moments(flux: Values, eye: EyeDirections) -> Float[np.ndarray, "3 direction"]:

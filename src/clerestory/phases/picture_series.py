@@ -141,10 +141,10 @@ def _transpose(
     rows: slice,
 ) -> None:
     # Set the values of some pixels at some time steps, strip by strip of pixels
+    turned, target = values.transpose(2, 0, 1), into[:, :, rows]
     for first in range(0, values.shape[1], _STRIP):
-        strip = np.moveaxis(values[:, first : first + _STRIP], -1, 0)
-        start = rows.start + first
-        into[steps, :, start : start + strip.shape[-1]] = strip
+        strip = np.s_[:, :, first : first + _STRIP]
+        target[strip][steps] = turned[strip]
 
 
 @dataclass(frozen=True, eq=False)

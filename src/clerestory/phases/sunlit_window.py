@@ -5,12 +5,13 @@ sun to the window by zone and sun. All pixels, sensors and view points of a room
 the tables.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, Int
 
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
@@ -22,6 +23,9 @@ from clerestory.phases.exit_cells import ExitCells, IncidentCells
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 from clerestory.scene.window_zones import WindowZones
+
+# Largest memory for the radiance of a window under all suns, to be kept [bytes]
+_KEPT = 1 << 26
 
 # Number of points of a zone at which the transmittance from the sun is sampled
 _ZONE_POINTS = 16
@@ -65,12 +69,29 @@ class SunlitWindow:
         self, sun: np.ndarray, irradiance: Float[np.ndarray, " step"]
     ) -> Float32[np.ndarray, "channel cell step"]:
         """Return the radiance of the exit cells under suns of given irradiance."""
+        channels, count = len(self.scene.bands), len(self.cells.sizes)
+        if 4 * channels * count * len(self.suns) > _KEPT:
+            light = self._lit_by(sun)
+        else:
+            known = self._known
+            known.add(known.missing(sun), self._lit_by)
+            light = known.of(sun)
+        return np.asarray(light * irradiance.astype(np.float32))
+
+    @cached_property
+    def _known(self) -> "_KnownSuns":
+        return _KnownSuns(np.full(len(self.suns), -1))
+
+    def _lit_by(
+        self, sun: Int[np.ndarray, " some"]
+    ) -> Float32[np.ndarray, "channel cell some"]:
+        # Radiance per direct normal irradiance
         where = self.cells.directions, self.suns[sun]
         light = [table.radiance(*where) for table in self._tables]
         if len(light) > 1:
             whole = [np.broadcast_to(one, (len(RGB), *one.shape[1:])) for one in light]
             light = [np.concatenate(whole)[: len(self.scene.bands)]]
-        return np.asarray(light[0] * irradiance.astype(np.float32))
+        return np.asarray(light[0])
 
     @cached_property
     def _tables(self) -> list[Any]:
@@ -99,6 +120,40 @@ class SunlitWindow:
 
     def _engine(self, module: str) -> Any:
         return devices.load(self.device, module)
+
+
+@dataclass(eq=False)
+class _KnownSuns:
+    # Radiance of the exit cells under the suns that were asked for so far: all view
+    # points ask for the same suns
+    column: Int[np.ndarray, " sun"]
+    light: Float32[np.ndarray, "channel cell known"] | None = None
+
+    def missing(self, sun: Int[np.ndarray, " some"]) -> Int[np.ndarray, " new"]:
+        return np.unique(sun[self.column[sun] < 0])
+
+    def add(self, new: Int[np.ndarray, " new"], make: "_Make") -> None:
+        if not len(new):
+            return
+        parts = [make(new)]
+        known = 0
+        if self.light is not None:
+            known = self.light.shape[2]
+            parts.insert(0, self.light)
+        # Light of few suns may be grey by chance
+        channels = max(len(part) for part in parts)
+        wide = [np.broadcast_to(p, (channels, *p.shape[1:])) for p in parts]
+        self.light = np.concatenate(wide, axis=2)
+        self.column[new] = known + np.arange(len(new))
+
+    def of(
+        self, sun: Int[np.ndarray, " some"]
+    ) -> Float32[np.ndarray, "channel cell some"]:
+        assert self.light is not None
+        return self.light[:, :, self.column[sun]]
+
+
+_Make = Callable[[Int[np.ndarray, " some"]], Float32[np.ndarray, "channel cell some"]]
 
 
 @lru_cache(maxsize=4)
