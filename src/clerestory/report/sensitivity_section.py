@@ -18,6 +18,9 @@ _WIDTH, _NAMES, _ROW, _FOOT = 460.0, 120.0, 26.0, 24.0
 # Largest number of materials in a drawing
 _MOST = 20
 
+# Half the width of a letter
+_HALF = 3.8
+
 # Last decimal of changes of an index
 _FINEST = 0.0001
 
@@ -138,18 +141,26 @@ def _axis(
 ) -> list[Markup]:
     # Numbers at the ends and in the middle of the axis
     power = 10.0 ** np.floor(np.log10(reach))
-    # Below the reach, so that the words stay within the drawing
-    step = next(m * power for m in (5, 2, 1, 0.5) if m * power <= 0.9 * reach)
+    # The largest whose text stays within the drawing
+    step = next(
+        m * power
+        for m in (5, 2, 1, 0.5, 0.2)
+        if m * power * scale + len(_mark(m * power, unit)) * _HALF <= _WIDTH - middle
+    )
     return [
         element(
             "text",
-            f"{value:+g} {unit}" if value else "0",
+            _mark(value, unit),
             x=f"{middle + value * scale:.1f}",
             y=tall + 17,
             text_anchor="middle",
         )
         for value in (-step, 0.0, step)
     ]
+
+
+def _mark(value: float, unit: str) -> str:
+    return f"{value:+g} {unit}".strip() if value else "0"
 
 
 def _lines(data: xr.Dataset) -> list[_Line]:
