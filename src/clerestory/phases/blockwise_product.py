@@ -13,7 +13,7 @@ combination of shade states that occurs.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
@@ -22,12 +22,10 @@ from jaxtyping import Float, Float32, Int
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.column_light import (
     Light,
-    PatchLight,
     Received,
     SkyLight,
     SunLight,
     Weights,
-    add_signed,
     exiting_light,
 )
 from clerestory.phases.matrix_equation import (
@@ -41,8 +39,8 @@ from clerestory.phases.matrix_equation import (
     checked_states,
     require_columns,
 )
+from clerestory.phases.product_factors import Components, Factor, SunlightFactor
 from clerestory.phases.received_sunlight import (
-    ReceivedSunlight,
     Sunlit,
     received_sunlight,
 )
@@ -53,7 +51,6 @@ from clerestory.phases.receivers import (
     layers_of,
     light_bytes,
     shining_columns,
-    side_by_side,
 )
 from clerestory.phases.recent_values import RecentValues
 from clerestory.phases.stored_views import StoredColumns
@@ -66,29 +63,6 @@ _LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 25, 1 << 29, 1 << 26
 # Sky patches per time step of the smallest block: reading D then takes little of the
 # time, and the exiting radiance takes a quarter of the memory of D
 _PATCHES = 4
-
-
-@dataclass(frozen=True, eq=False)
-class Components:
-    """Error components due to one estimated matrix, for a block of receivers.
-
-    `source` identifies the matrix in all blocks. `values` include the sign of the term.
-    """
-
-    source: tuple[int, int, int]
-    steps: Int[np.ndarray, " step"]
-    values: Float32[np.ndarray, "component out row step"]
-
-    def plus(self, other: "Components") -> "Components":
-        """Return the sum of components in the same or in other time steps."""
-        if np.array_equal(self.steps, other.steps):
-            self.values[:] += other.values
-            return self
-        steps = np.union1d(self.steps, other.steps)
-        total = np.zeros((*self.values.shape[:-1], len(steps)), np.float32)
-        for each in (self, other):
-            total[..., np.searchsorted(steps, each.steps)] += each.values
-        return replace(self, steps=steps, values=total)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,67 +80,6 @@ class Block:
     steps: Int[np.ndarray, " step"]
     terms: Float32[np.ndarray, "term out row step"]
     components: list[Components]
-
-
-@dataclass(frozen=True, eq=False)
-class _Factor:
-    # Matrices V, C or C_ds, and the radiance or irradiance by which they are multiplied
-    source: tuple[int, int]
-    sign: int
-    matrices: Sequence[Readable]
-    light: Light
-    steps: Int[np.ndarray, " step"]
-
-    @property
-    def paths(self) -> tuple[int, int]:
-        """Number of the paths, equal for matrices that are estimated from the same.
-
-        These are C and C_d of a window and state, and V T D of all shade states.
-        """
-        if isinstance(self.matrices[0], SkyCoefficients):
-            return self.source[0], -1
-        same = isinstance(self.light, SkyLight)
-        same &= isinstance(self.matrices[0], TransferMatrix)
-        return (-1, self.source[1]) if same else self.source
-
-    def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
-        """Add the light of some receivers, and return its error components."""
-        layers = side_by_side(self.matrices, rows, errors=errors)
-        found = self.light.received(layers)
-        groups = [found[1:]]
-        if errors and isinstance(self.light, PatchLight):
-            groups += self.light.spread(layers[0])
-        add_signed(self.sign, total, found[0], self.steps)
-        if self.sign < 0:
-            for values in groups:
-                np.negative(values, out=values)
-        return [
-            Components((*self.source, number), self.steps, values)
-            for number, values in enumerate(groups)
-            if len(values)
-        ]
-
-
-@dataclass(frozen=True, eq=False)
-class _Sunlight:
-    # C_ds S_sun of all receivers in a block of time steps, in steps with sunlight
-    source: tuple[int, int]
-    sign: int
-    light: ReceivedSunlight
-    steps: Int[np.ndarray, " step"]
-
-    @property
-    def paths(self) -> tuple[int, int]:
-        """Number of the paths."""
-        return self.source
-
-    def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
-        """Add the light of some receivers, and return its error component."""
-        add_signed(self.sign, total, self.light.mean(rows), self.steps)
-        if not errors:
-            return []
-        error = self.sign * self.light.error(rows)
-        return [Components((*self.source, 0), self.steps, error[None])]
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,7 +177,7 @@ class BlockwiseProduct:
 
     def _factors(
         self, number: int, found: list[MatrixChain], inside: Int[np.ndarray, " step"]
-    ) -> Iterator[_Factor | _Sunlight]:
+    ) -> Iterator[Factor | SunlightFactor]:
         term = self.terms[number]
         skies = self.skies.select(inside)
         every = np.arange(len(inside))
@@ -281,7 +194,7 @@ class BlockwiseProduct:
                 arriving=partial(self._arriving, term, inside),
             )
             views = [chain.view for chain in found]
-            yield _Factor((number, 0), term.sign, views, passed, every)
+            yield Factor((number, 0), term.sign, views, passed, every)
             return
         for window, chain in enumerate(found):
             several = len(chain.receiving) > 1
@@ -293,10 +206,10 @@ class BlockwiseProduct:
                     suns = skies.suns.select(steps)
                     product = received_sunlight(matrix, suns, self.weights)
                     lit = steps[product.steps]
-                    yield _Sunlight(source, term.sign, product, lit)
+                    yield SunlightFactor(source, term.sign, product, lit)
                 elif len(steps) and not isinstance(matrix, Sunlit):
                     columns, light = self._direct(term, matrix, skies, steps)
-                    yield _Factor(source, term.sign, [columns], light, steps)
+                    yield Factor(source, term.sign, [columns], light, steps)
 
     def _arriving(
         self,
@@ -331,7 +244,7 @@ class BlockwiseProduct:
         rows: slice,
         times: slice,
         steps: Int[np.ndarray, " step"],
-        factors: Sequence[_Factor | _Sunlight],
+        factors: Sequence[Factor | SunlightFactor],
     ) -> Block:
         terms = 1 if self.summed else len(self.terms)
         shape = terms, len(self.weights), rows.stop - rows.start, len(steps)

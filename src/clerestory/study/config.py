@@ -21,6 +21,7 @@ from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
 from clerestory.spectral.band_sets import band_set, gives
 from clerestory.study import config_tables as tables
+from clerestory.study import weather_tables
 from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.energy_tables import EnergyTable
@@ -70,15 +71,15 @@ class Study(Table):
     view_grid: Annotated[list[ViewGridTable], Distinct] = Field([])
     luminaire: Annotated[list[LuminaireTable], Distinct] = Field([])
     lighting: Annotated[list[LightingTable], Distinct] = Field([])
-    weather: tables.WeatherTable = Field(description="a table [weather]")
-    sky: tables.SkyTable = tables.SkyTable()
+    weather: weather_tables.WeatherTable = Field(description="a table [weather]")
+    sky: weather_tables.SkyTable = weather_tables.SkyTable()
     sun: Annotated[tables.SunTable, BeforeValidator(tables.sun_places)] = (
         tables.SunTable()
     )
     trace: tables.TraceTable = tables.TraceTable()
-    schedule: tables.ScheduleTable = tables.ScheduleTable()
+    schedule: weather_tables.ScheduleTable = weather_tables.ScheduleTable()
     metrics: tables.MetricsTable = tables.MetricsTable()
-    sunlight: tables.SunlightTable | None = Field(
+    sunlight: weather_tables.SunlightTable | None = Field(
         None, description="a table [sunlight]"
     )
     space: Annotated[list[SpaceTable], Distinct] = Field([])

@@ -35,8 +35,9 @@ from clerestory.spectra import Spectrum
 from clerestory.spectral.band_sets import band_set
 from clerestory.spectral.spectrum_file import read_spectrum
 from clerestory.study.config import Study
-from clerestory.study.config_tables import SceneTable, ViewTable, WeatherTable
+from clerestory.study.config_tables import SceneTable, ViewTable
 from clerestory.study.view_grid_positions import ViewGrid, read_view_grid
+from clerestory.study.weather_tables import WeatherTable
 from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 # Vertical component of the direction from which +y is up in fisheye views

@@ -10,8 +10,8 @@ from clerestory.scene.scaling import scaled
 from clerestory.scene.window import Window
 from clerestory.sky.solar_position import SunPosition, sun_at
 from clerestory.study.config import Study
-from clerestory.study.config_tables import SunlightTable
 from clerestory.study.inputs import Inputs
+from clerestory.study.weather_tables import SunlightTable
 
 _STEP_MINUTES = 1
 
