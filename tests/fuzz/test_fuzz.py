@@ -33,6 +33,7 @@ LEFT_OUT = {
     "study.view_grid_positions:read_view_grid": "reads by read_positions",
     "report.page_assets:asset": "reads files of the package",
     "spectral.functions:spectral_function": "reads files of the package",
+    "spectral.material_library:material_samples": "reads files of the package",
     "study.variant_run:_input_key": "hashes what other readers read",
     "energyplus.engine_run:convert_to_json": "the engine reads the file",
     "energyplus.engine_run:simulate": "reads what the engine has written",

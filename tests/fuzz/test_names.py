@@ -424,7 +424,7 @@ def test_terminals_execute_no_name(capsys):
 
 def test_progress_bars_show_names_with_brackets():
     bars = _bars()
-    bars.add_task("[/a] [red]", total=1.0, note="[/b]")
+    bars.add_task("[/a] [red]", total=1.0, note="[/b]", left="[/c]")
     bars.make_tasks_table(bars.tasks)
 
 
@@ -736,6 +736,7 @@ WRITERS = {
     "bsdf.xml_insertion.insert_blocks": "lxml escapes",
     "bsdf.xml_writer.write_bsdf": test_bsdf_files_hold_any_text,
     "cli.bsdf_generate.generate": test_radiance_reads_a_scene_of_hostile_names,
+    "cli.bsdf_library.library": "numbers, and a name of the package",
     "cli.bsdf_package.package": test_packages_of_bsdfs_run_no_product_name,
     "cli.compat._picture": "bytes of standard input",
     "cli.glare._write_annual": "numbers",

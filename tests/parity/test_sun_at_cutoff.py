@@ -21,7 +21,7 @@ from clerestory.scene.model import Polygon, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-FAR, REPEATS, SUN_RADIANCE = 200.0, 16, 1e6
+FAR, REPEATS, SUN_RADIANCE = 200.0, 64, 1e6
 SUN_SR = 2 * np.pi * (1 - np.cos(np.radians(0.533 / 2)))
 CORNERS = FAR * np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1.0]])
 FRAME = Frame.from_normal_up(np.array([0, 1.0, 0]), np.array([0, 0, 1.0]))
@@ -66,7 +66,7 @@ def by_radiance(folder, count, options):
     """Irradiance of the sensor for each sun, and the standard error over repeats."""
     names = " ".join(f"-m sun{i}" for i in range(count))
     found = run(
-        "rcontrib -n 2 -h- -w- -V+ -lw 1e-9 -dc 1 -dt 0 -dj 1 -I+ -ab 1 -ad 4096"
+        "rcontrib -n 2 -h- -w- -V+ -lw 1e-9 -dc 1 -dt 0 -dj 1 -I+ -ab 1 -ad 1024"
         f" {options} {names} blind.oct",
         folder=folder,
         stdin="0 0.01 0 0 -1 0\n" * REPEATS,
