@@ -87,6 +87,19 @@ def test_a_plan_has_the_stages_the_pictures_and_the_files_of_the_run(view):
         assert matrix.bytes <= size < 1.2 * matrix.bytes + 100_000, matrix.file
 
 
+def test_a_plan_estimates_standards_and_unknown_quantities(room):
+    text = (room / "study.toml").read_text()
+    more = '[compliance]\nstandards = ["LM-83", "EN 17037"]\n\n[uncertainty]\n'
+    kinds = ('"dirt"', '"sky"')
+    more += "".join(f"[[uncertainty.unknown]]\nkind = {kind}\n" for kind in kinds)
+    (room / "study.toml").write_text(text + more)
+    stages = plan_study(cl.read_study("study.toml"), out="results").stages
+    assert stages["compliance"].work == "2 standards"
+    assert stages["uncertainty"].work == "2,048 draws"
+    assert stages["compliance"].seconds > 0
+    assert stages["uncertainty"].seconds > 0
+
+
 def test_a_plan_after_a_run_has_the_times_of_the_run(view):
     study = cl.read_study("study.toml")
     cl.run_study(study, out="results")

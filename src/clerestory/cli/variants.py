@@ -24,7 +24,7 @@ from clerestory.study.variant_figures import (
     figure_rows,
     run_figures,
 )
-from clerestory.study.variant_outputs import write_variants
+from clerestory.study.variant_outputs import TABLE_FILE, write_variants
 from clerestory.study.variant_run import run_variants, variant_folders
 from clerestory.study.variants import Variant
 
@@ -49,13 +49,14 @@ def compare_runs(
     paths: Sequence[Path], names: Sequence[str], folder: Path, *, quiet: bool
 ) -> None:
     """Compare finished runs; write their figures and a page into a folder."""
-    found, studies = [], []
+    found, studies, files = [], [], []
     for path, name in zip(paths, names, strict=True):
         results = read_results(path)
         found.append(run_figures(results, name=name))
         studies.append(results.run.get("study") or {})
+        files.append(results.run.get("files") or {})
         results.data.close()
-    settings = compared_settings(studies)
+    settings = compared_settings(studies, files)
     found = [replace(r, settings=s) for r, s in zip(found, settings, strict=True)]
     common_keys(found)
     write_variants(found, make_folder(folder))
@@ -80,7 +81,7 @@ def _finish(
 
 
 def _table(runs: Sequence[RunFigures], title: str) -> Table:
-    # The first three figures of light, and those of glare and energy
+    # The first two figures of light, and three of glare and energy
     table = Table(title=title, title_justify="left")
     table.add_column("variant")
     keys = common_keys(runs)
@@ -94,6 +95,8 @@ def _table(runs: Sequence[RunFigures], title: str) -> Table:
         cells = [_cell(row[number], first=number == 0) for row in columns]
         table.add_row(run.name, *cells)
     table.caption = "in brackets: difference from the first variant"
+    if len(keys) > len(columns):
+        table.caption += f"; all {len(keys)} figures: {TABLE_FILE}"
     table.caption_justify = "left"
     return table
 

@@ -253,15 +253,17 @@ class Study(Table):
                 return {key: plain(item) for key, item in value.items()}
             if isinstance(value, list):
                 return [plain(item) for item in value]
-            if isinstance(value, Path):
-                inside = value.is_relative_to(self._folder)
-                return (value.relative_to(self._folder) if inside else value).as_posix()
-            return value
+            return self.relative(value) if isinstance(value, Path) else value
 
         facts = {key: plain(v) for key, v in self.model_dump(by_alias=True).items()}
         if len(self.methods) == 1:
             facts["method"] = self.method
         return facts
+
+    def relative(self, path: Path) -> str:
+        """Return a path relative to `folder`, if it is inside."""
+        inside = path.is_relative_to(self._folder)
+        return (path.relative_to(self._folder) if inside else path).as_posix()
 
     def to_json(self) -> str:
         """Return all keys and values of the study file as JSON."""

@@ -4,19 +4,15 @@ A restarted run gives bitwise identical results: each traced matrix is stored as
 as it is complete, everything else is computed again, and results.nc is written last.
 """
 
-import platform
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from clerestory import __version__
 from clerestory.engine.work_units import Executor
 from clerestory.files import make_folder
 from clerestory.metrics.compliance import assess
@@ -42,6 +38,7 @@ from clerestory.study.energy_simulation import annual_energy
 from clerestory.study.glazed_grid_points import grid_points
 from clerestory.study.illuminance_by_state import every_state, results_by_state
 from clerestory.study.input_checks import warn_of_inputs
+from clerestory.study.input_files import content_hashes
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.labels import (
@@ -53,6 +50,7 @@ from clerestory.study.light_spectra import light_spectra
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
+from clerestory.study.run_facts import run_facts
 from clerestory.study.run_log import RunLog
 from clerestory.study.sensitivity_results import sensitivity_results
 from clerestory.study.shade_operation import ShadeOperation, operate
@@ -71,9 +69,6 @@ from clerestory.warning_log import WarningLog
 
 # Temporary folder for hourly values that do not fit into memory
 SCRATCH_FOLDER = "unfinished"
-
-# Packages whose versions are recorded in run.json
-_PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
 
 
 def run_method(
@@ -96,7 +91,7 @@ def run_method(
     recent = recent or RecentValues()
     with log.phase("read"):
         inputs = read_inputs(study, recent=recent)
-        model = energy_model(study, inputs)
+        model, files = energy_model(study, inputs), content_hashes(study)
         if study.uncertainty is not None:
             # Refuse wrong quantities before anything is traced
             unknown_quantities(study, inputs, study.uncertainty.unknown)
@@ -119,7 +114,7 @@ def run_method(
                 data = data.merge(annual_energy(job, model, data))
         with log.phase("write"):
             write_tables(study, Results(data), out)
-        facts = _run_facts(job, data, log)
+        facts = run_facts(job, files, data, log)
         if title_block:
             facts["report"] = title_block.facts()
         results = Results(data, facts)
@@ -191,12 +186,10 @@ def _simulate(
         if signals.building is not None:
             parts.append(signals.building.results())
         data = label_results(hourly, parts, signals, acts)
-    if study.compliance is not None:
-        with log.phase("compliance"):
+    with log.phase("compliance"):
+        if study.compliance is not None:
             standards = standards_named(study.compliance.standards)
             data = data.merge(compliance_table(assess(data, standards)))
-    if study.uncertainty is None:
-        return data
     with log.phase("uncertainty"):
         return data.merge(total_uncertainty(job, signals, acts.states, data))
 
@@ -276,33 +269,3 @@ def _output(electric: xr.Dataset, skies: Skies) -> np.ndarray:
     if "dimming" not in electric:
         return np.zeros((0, len(skies.whole.times)))
     return np.asarray(electric["dimming"].values)
-
-
-def _run_facts(job: Job, data: xr.Dataset, log: RunLog) -> dict[str, Any]:
-    # Content of run.json
-    mean, error = data["mean_illuminance"], data["mean_illuminance_error"]
-    relative = (error / mean.where(mean > 0)).groupby("grid").median()
-    return {
-        "title": job.study.title,
-        "study": job.study.facts(),
-        "versions": {"clerestory": __version__, **_versions()},
-        "machine": f"{platform.system()} {platform.machine()}",
-        "seed": job.study.trace.seed,
-        "device": job.device,
-        "seconds": log.seconds,
-        "median_relative_error_of_mean": {
-            str(grid): round(error, 5) for grid, error in relative.to_series().items()
-        },
-        "matrices": {name: {"found": known} for name, known in job.found.items()},
-        "warnings": list(log.warnings.lines()),
-    }
-
-
-def _versions() -> dict[str, str]:
-    found = {"python": platform.python_version()}
-    for package in _PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found

@@ -152,6 +152,7 @@ class _RunFacts(Item):
     seconds: dict[str, float] = Field({})
     warnings: list[str] = Field([])
     matrices: dict[str, dict[str, Any]] = Field({})
+    files: dict[str, str] = Field({})
 
 
 class _StudyFacts(Item):

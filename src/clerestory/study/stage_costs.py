@@ -12,24 +12,16 @@ from functools import cached_property
 import numpy as np
 
 from clerestory.matrix.error_components import COUNT
-from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.phases.matrix_equation import (
-    MatrixChain,
     Part,
     Skies,
     chains,
 )
-from clerestory.phases.received_sunlight import Sunlit
-from clerestory.phases.receivers import (
-    chain_components,
-    coefficients_cost_less,
-    component_count,
-)
-from clerestory.phases.stored_views import FEW
 from clerestory.study.annual_views import picture_steps, sees_glare
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
+from clerestory.study.product_costs import product_seconds
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import needs_direct
 from clerestory.study.view_grid_points import USUAL_LEVEL
@@ -39,16 +31,14 @@ from clerestory.study.window_tables import INTERIOR, ControlTable
 # Stages of a run, in order: the keys of `seconds` in run.json
 STAGES = (
     *("read", "check", "trace", "sky", "control", "multiply", "pictures"),
-    *("view grids", "metrics", "write"),
+    *("view grids", "metrics", "compliance", "uncertainty", "write"),
 )
 
-# Seconds per multiply-add with sky matrices and with window matrices, per matrix value
-# that is copied, per value of a result or of its error components, per hourly value in
-# metrics, per byte of tables
-_SKY, _WINDOW, _COPY, _VALUE, _METRIC, _BYTE = 5e-11, 7e-10, 3e-9, 2e-9, 4e-7, 4e-8
+# Seconds per hourly value in metrics, per byte of tables
+_METRIC, _BYTE = 4e-7, 4e-8
 
-# Seconds per recorded path and time step: pixels in sunlight, in one band
-_PATH = 2e-9
+# Seconds per hourly value: assessment by one standard, figures of merit of one draw
+_STANDARD, _DRAW = 2e-7, 3e-9
 
 # Time steps of pictures that are computed together
 _TOGETHER = 32
@@ -116,6 +106,8 @@ class StageWork:
             "pictures": self._pictures(),
             "view grids": self._view_grids(),
             "metrics": StageCost(work, _START / 3 + _METRIC * hours + direct),
+            "compliance": self._compliance(hours),
+            "uncertainty": self._uncertainty(sensors),
             "write": self._tables(sensors, steps),
         }
         for name in stages.keys() & known.keys():
@@ -132,11 +124,14 @@ class StageWork:
             )
         return np.flatnonzero(lit)
 
-    def _grids(self, parts: Sequence[Part]) -> float:
+    def _grids(self, parts: Sequence[Part], *, errors: bool = True) -> float:
         # Seconds for the illuminance of all sensors
         rows, steps = len(self.inputs.sensors()), len(self._lit)
         windows = self.matrices.windows
-        return sum(_product(chains(windows, part), rows, steps) for part in parts)
+        return sum(
+            product_seconds(chains(windows, part), rows, steps, errors=errors)
+            for part in parts
+        )
 
     def _view(self, view: ViewMatrices, steps: int, *, errors: bool) -> float:
         # Seconds for the luminance of a view, and for glare
@@ -151,7 +146,7 @@ class StageWork:
         samples = self.study.sun.picture_samples
         windows = view.blocks if errors else view.windows
         return sum(
-            _product(
+            product_seconds(
                 chains(windows, term.part), len(view.camera), steps, bands,
                 errors=errors, together=_TOGETHER, samples=samples,
             )
@@ -205,6 +200,35 @@ class StageWork:
             seconds += sum(map(len, named)) * steps * USUAL_CELLS * _CELL[0]
         return seconds
 
+    def _compliance(self, hours: int) -> StageCost:
+        # Assessment of the hourly values of all sensors by each standard
+        if self.study.compliance is None:
+            return StageCost()
+        count = len(self.study.compliance.standards)
+        work = f"{count} standard{'s' * (count > 1)}"
+        return StageCost(work, _STANDARD * count * hours)
+
+    def _uncertainty(self, sensors: int) -> StageCost:
+        # Products of first and second derivatives, and the figures of merit of draws
+        table = self.study.uncertainty
+        if table is None:
+            return StageCost()
+        kinds = [unknown.kind for unknown in table.unknown]
+        count = kinds.count("reflectance") + kinds.count("transmittance")
+        derivatives = count + count * (count + 1) // 2
+        hours = (
+            sensors
+            * occupied_hours(
+                self.skies.times,
+                from_hour=self.study.schedule.from_hour,
+                to_hour=self.study.schedule.to_hour,
+            ).sum()
+        )
+        product = self._grids([term.part for term in self.matrices.terms], errors=False)
+        # As many draws again for Sobol' indices
+        seconds = product * (1 + derivatives) + 2 * _DRAW * table.draws * hours
+        return StageCost(f"{table.draws:,} draws", float(seconds))
+
     def _view_grids(self) -> StageCost:
         # Glare of all view grids, as operated and by state; V of their cells in files
         grids, steps = self.inputs.view_grids, len(self._lit)
@@ -230,58 +254,6 @@ class StageWork:
         size += _ROOM + _STATE * sum(states)
         files = hourly * grids + output.csv + others + 2
         return StageCost("", _BYTE * text, files, round(size))
-
-
-def _product(
-    found: Sequence[MatrixChain],
-    rows: int,
-    steps: int,
-    bands: int = 1,
-    *,
-    errors: bool = True,
-    together: int = 0,
-    samples: int = 0,
-) -> float:
-    # Seconds for a term of the matrix equation, of pictures with `together` time steps
-    # in a block and `samples` paths per pixel
-    short = found[0].factors and isinstance(found[0].receiving[0], TransferMatrix)
-    # Pictures are computed separately for each combination of shade states
-    combinations = 1 + sum(chain.states - 1 for chain in found)
-    if short:
-        kinds = [[chain.at(0) for chain in found]] * combinations
-        counts = np.full(combinations, steps // combinations)
-        short = coefficients_cost_less(kinds, rows, counts)
-    blocks = max(combinations, steps / together) if together else 1
-    seconds = 0.0
-    for chain in found:
-        first = chain.receiving[0]
-        held = first if isinstance(first, TransferMatrix) else None
-        own = chain_components(chain) if errors else 0
-        views = (component_count(held) if held else FEW) if errors else 0
-        layers, channels = 1 + views + own, len(held.values) if held else bands
-        if chain.factors:
-            T, D = chain.factors[0][0], chain.factors[0][-1]
-            channels, patches = max(channels, bands, len(T.values)), T.rows.size
-            whole = D.columns.size * D.rows.size * len(D.values)
-            if short:
-                whole *= combinations
-                seconds += layers * rows * channels * whole * _WINDOW
-                seconds += layers * rows * D.columns.size * steps * _SKY
-            else:
-                whole *= (1 + own) * channels
-                seconds += whole * (steps * _SKY + blocks * _COPY)
-                inner = (1 + own) * D.rows.size + layers * rows
-                seconds += inner * patches * channels * steps * _WINDOW
-                seconds += layers * rows * patches * channels * blocks * _COPY
-        elif isinstance(first, Sunlit):
-            seconds += rows * steps * bands * samples * _PATH
-        else:
-            each = layers * rows * (held.columns.size if held else steps)
-            seconds += each * channels * len(chain.receiving) * _COPY
-            if held and held.columns.kind == "sky":
-                seconds += each * bands * steps * _SKY
-        seconds += layers * rows * steps * bands * _VALUE
-    return seconds
 
 
 def hour_bytes(study: Study) -> int:

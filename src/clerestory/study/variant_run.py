@@ -6,12 +6,8 @@ memory. A restarted run continues with the first variant that is not complete.
 """
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from hashlib import sha256
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-from pydantic import BaseModel
 
 from clerestory import __version__
 from clerestory.cluster.cluster import executor_at
@@ -20,14 +16,14 @@ from clerestory.engine.work_units import Executor
 from clerestory.errors import InputError
 from clerestory.escaping import file_stems
 from clerestory.file_lock import locked
-from clerestory.files import make_folder, read_bytes, read_text, write_text
-from clerestory.library.bsdf_source import is_library_name
+from clerestory.files import make_folder, read_text, write_text
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_store import MatrixStore, SharedStore
 from clerestory.phases.recent_values import RecentValues
 from clerestory.progress import silent
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.study.config import Study
+from clerestory.study.input_files import content_hashes
 from clerestory.study.job import Display
 from clerestory.study.method_comparison import compare_methods
 from clerestory.study.method_run import run_method
@@ -129,22 +125,10 @@ def _input_key(study: Study) -> str:
     # Hash of the study and the content of its input files; "" if it is not known
     if any(each.control and each.control.rule == "python" for each in study.window):
         return ""
-    files = [sha256(read_bytes(path)).hexdigest() for path in _paths(dict(study))]
+    files = list(content_hashes(study).values())
     # Scene files may name other files: the scene is hashed as it is read
     scene = fingerprint(read_rad(*study.scene.files))
     return fingerprint(__version__, study.to_json(), files, scene)
-
-
-def _paths(value: Any) -> Iterator[Path]:
-    # Paths of the input files of a study; built-in BSDFs are part of the package
-    if isinstance(value, Path):
-        if not is_library_name(value):
-            yield value
-    elif isinstance(value, BaseModel):
-        yield from _paths(dict(value))
-    elif isinstance(value, Mapping | list):
-        for part in value.values() if isinstance(value, Mapping) else value:
-            yield from _paths(part)
 
 
 def _finished(out: Path) -> dict[str, str]:

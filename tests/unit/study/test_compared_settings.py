@@ -54,3 +54,18 @@ def test_values_and_keys_have_a_largest_number():
     found = compared_settings([{}, many])
     assert [len(one) for one in found] == [8, 8]
     assert {len(value) for value in found[1].values()} == {60}
+
+
+def test_files_of_equal_names_are_told_apart_by_their_content():
+    files = {"materials.rad": "11aa22bb", "room.rad": "33cc44dd", "oslo.epw": "55ee"}
+    edited = {**files, "room.rad": "99ff00aa"}
+    names = "materials.rad (11aa22), room.rad"
+    assert compared_settings([STUDY, STUDY], [files, edited]) == [
+        {"scene.files": f"{names} (33cc44)"},
+        {"scene.files": f"{names} (99ff00)"},
+    ]
+    assert compared_settings([STUDY, STUDY], [files, files]) == [{}, {}]
+
+
+def test_runs_without_hashes_are_compared_by_names():
+    assert compared_settings([STUDY, STUDY], [{}, {"room.rad": "99ff"}]) == [{}, {}]
