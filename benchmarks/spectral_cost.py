@@ -1,6 +1,7 @@
 """Processor time of V and D of the demo by number of bands, relative to RGB.
 
-    python benchmarks/spectral_cost.py [--samples 4096 32768] [--rounds 5] [--write FILE]
+    python benchmarks/spectral_cost.py [--samples 4096 32768] [--rounds 5]
+        [--write FILE]
 
 The demo room with red carpet and oak desks of `spectral_bands.py`. Band sets take turns
 in each round, so that other work on the machine slows all of them alike; the first
@@ -77,9 +78,7 @@ def cell(found: dict[str, np.ndarray], name: str) -> str:
     if name == "RGB":
         return text
     ratio = whole / found["RGB"].sum(axis=1)
-    return (
-        f"{text} ({np.median(ratio):.2f}×; {ratio.min():.2f} to {ratio.max():.2f}×)"
-    )
+    return f"{text} ({np.median(ratio):.2f}×; {ratio.min():.2f} to {ratio.max():.2f}×)"
 
 
 def seconds(samples: int, rounds: int) -> dict[str, np.ndarray]:

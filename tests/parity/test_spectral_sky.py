@@ -83,7 +83,7 @@ def test_colours_of_clear_skies_are_near_those_of_gensdaymtx(weather, read):
     assert (np.abs(ratio - 1) < 0.06).all()
     assert (np.abs(reciprocal(horizontal[0]) - reciprocal(horizontal[1])) < 15).all()
 
-    # Patches: 19 to 21 per megakelvin, where each sky spans 80 to 160
+    # Patches: 19 to 21 per megakelvin, of a range of 80 to 160
     off = reciprocal(ours) - reciprocal(theirs)
     assert (np.sqrt(np.mean(off**2, axis=0)) < 22).all()
     for hour in range(len(HOURS)):

@@ -153,7 +153,8 @@ def _of_lamps(
     if signals.lamps is None or signals.lamps.spectra is None:
         return None
     full = signals.lamps.spectra[:, :, rows]
-    return np.einsum("zbe,zt->bet", full, electric["dimming"].values)
+    output = electric["dimming"].values
+    return np.asarray(np.einsum("zbe,zt->bet", full, output))
 
 
 def _edi_error(
