@@ -14,6 +14,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.report.page import write_report
 from clerestory.study.config import read_study
 from clerestory.study.study_run import run_study
+from uncertain_room import unknown
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
 STEP = 0.1
@@ -157,6 +158,17 @@ def test_changes_of_glare_are_in_table_and_report(files, tmp_path):
 def test_glare_without_a_view_is_refused(files, tmp_path):
     with pytest.raises(InputError, match="glare without a view that is wide enough"):
         run(files, tmp_path, table='[sensitivity]\nmaterials = "all"\nglare = true\n')
+
+
+@pytest.mark.slow
+def test_uncertain_walls_behind_ports_are_those_of_traced_rooms(files, tmp_path):
+    """Draws far from the model, expanded and traced again with the same seeds."""
+    table = f"[uncertainty]\ndraws = 128\nchecks = 2\n{unknown('grey', 0.05)}"
+    data = run(files, tmp_path / "out", method="4-phase", table=table).data
+    assert not data["check_fails"].values.any()
+    traced, expanded = (data[f"check_{n}"].values[:, 0] for n in ("traced", "expanded"))
+    assert np.abs(traced / data["known_figure_value"].values[0] - 1).max() > 0.05
+    assert expanded == pytest.approx(traced, rel=0.02)
 
 
 def test_glare_with_ports_is_refused(files, tmp_path):
