@@ -27,6 +27,7 @@ from south_window import (
     AREA,
     DIM,
     Ours,
+    at_cosine,
     by_energyplus,
     hemispherical,
     systems,
@@ -108,6 +109,9 @@ def glass(ours, passed, found, partition):
     same = AREA * mean * (found["sky"] + found["ground"])
     compare(f"{name}: all, one diffuse transmittance", beam + same, whole, lit)
     cosine = np.clip(found["cosine"], 1e-3, 1)
+    between = AREA * at_cosine(partition, passed, cosine) * found["beam"]
+    text = f"{name}: all, one diffuse transmittance, EnergyPlus' solar position"
+    compare(text, between + same, whole, lit)
     exact = AREA * pane_pair(PANE.material)(cosine)[0] * found["beam"]
     text = f"{name}: all, one diffuse transmittance, sun by Fresnel's equations"
     compare(text, exact + same, whole, lit)

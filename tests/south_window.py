@@ -7,9 +7,8 @@ the sun at every time step; by default, it uses mean positions of 20 days.
 import numpy as np
 
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.energyplus.building_model import read_building_model
 from clerestory.energyplus.complex_fenestration import complex_fenestration
-from clerestory.energyplus.engine_run import AnnualRun, Output, simulate
+from clerestory.energyplus.engine_run import Output
 from clerestory.energyplus.input_objects import as_idf
 from clerestory.glazing.stack import stack_layers
 from clerestory.hemisphere.patch_interpolation import patch_weights
@@ -20,7 +19,12 @@ from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.solar_at_windows import incident_radiation, sunlight
-from energy_models import SMALL_OFFICE, double_glazing, shaded_glazing
+from energy_models import (
+    SMALL_OFFICE,
+    annual_outputs,
+    double_glazing,
+    shaded_glazing,
+)
 
 AREA = 3.0
 
@@ -71,14 +75,6 @@ def systems(partition):
         light = stack_layers(system.layers, partition=partition, method="bands")
         found[system.name] = light, as_idf(complex_fenestration(system, light))
     return found
-
-
-def annual_outputs(folder, weather, text, outputs):
-    """Hourly outputs of EnergyPlus for IDF text, over (output, hour)."""
-    path = folder / "in.idf"
-    path.write_text(text)
-    model = read_building_model(path).objects
-    return simulate(AnnualRun(model, weather, [], outputs))
 
 
 def by_energyplus(folder, weather, construction, objects, *, steps=1):
@@ -133,6 +129,7 @@ class Ours:
         study = read_study(folder / "study.toml")
         inputs = read_inputs(study)
         job = Job(study, inputs, MatrixStore(folder / "matrices"), silent)
+        self.job = job
         self.beam = sunlight(job, 0, partition)
         self.rest = incident_radiation(job, 0, partition).patches - self.beam.patches
         self.weather = inputs.weather
