@@ -5,7 +5,7 @@ increments the revision if the code that matrices depend on has changed, as requ
 a test.
 """
 
-ESTIMATOR_REVISION = 44
+ESTIMATOR_REVISION = 45
 
 # SHA-256 of the sources of this revision
-ESTIMATOR_DIGEST = "8aadeb07658ad6a213fe5a7de1417c21f1dd990b41d112e85fad94d270715279"
+ESTIMATOR_DIGEST = "c0831fedf46e372ea27f2c65b7b42cd689cf50ce750d0577eab1c576394197e2"
