@@ -17,118 +17,37 @@ from pathlib import Path
 
 import numpy as np
 
-import clerestory as cl
-from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.energyplus.building_model import read_building_model
-from clerestory.energyplus.complex_fenestration import complex_fenestration
-from clerestory.energyplus.complex_optics import complex_optics
-from clerestory.energyplus.engine_run import AnnualRun, Output, simulate
-from clerestory.energyplus.input_objects import as_idf
-from clerestory.glazing.stack import stack_layers
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.patch_interpolation import patch_weights
-from clerestory.phases.matrix_store import MatrixStore
-from clerestory.progress import silent
-from clerestory.sky.sky_conditions import sun_over
-from clerestory.study.inputs import read_inputs
-from clerestory.study.job import Job
-from clerestory.study.solar_at_windows import incident_radiation, sunlight
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from energy_models import (
-    PANE,
-    PLAIN,
-    SMALL_OFFICE,
-    blind,
-    double_glazing,
-    shaded_glazing,
-)
+from energy_models import PANE, PLAIN, blind
 from slat_walk import pane_pair, transmitted
+from south_window import (
+    AREA,
+    DIM,
+    Ours,
+    at_cosine,
+    by_energyplus,
+    hemispherical,
+    systems,
+    transmittance,
+)
 
-OUTPUTS = {
-    "beam": "Surface Outside Face Incident Beam Solar Radiation Rate per Area",
-    "sky": "Surface Outside Face Incident Sky Diffuse Solar Radiation Rate per Area",
-    "ground": "Surface Outside Face Incident Ground Diffuse Solar Radiation Rate per"
-    " Area",
-    "cosine": "Surface Outside Face Beam Solar Incident Angle Cosine Value",
-    "beam in": "Surface Window Transmitted Beam Solar Radiation Rate",
-    "diffuse in": "Surface Window Transmitted Diffuse Solar Radiation Rate",
-}
-AREA = 3.0
-
-# Least radiation of an hour [W/m²], and hours of random walks
-DIM, WALKS = 20.0, 200
-
-# By default, EnergyPlus uses the mean solar positions of 20 days
-EVERY_STEP = "ShadowCalculation,PolygonClipping,Timestep;"
-SYSTEMS = {
-    "clear": double_glazing(),
-    "blind": shaded_glazing(45),
-}
-STUDY = """
-method = "5-phase"
-[scene]
-files = ["room.rad"]
-[[window]]
-name = "south"
-file = "window.rad"
-bsdf = "clear.xml"
-[[sensors]]
-file = "desk.pts"
-[weather]
-file = "{weather}"
-[sky]
-subdivision = 4
-[trace]
-relative_error = 0.01
-"""
-ROOM = """void plastic grey 0 0 5 .5 .5 .5 0 0
-grey polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0
-"""
-WINDOW = """void glow south 0 0 4 1 1 1 0
-south polygon pane 0 0 12 3 0 1 1 0 1 1 0 2.5 3 0 2.5
-"""
+# Hours of random walks
+WALKS = 200
 
 
-def theirs(folder, weather, construction, objects, steps):
-    """Return hourly outputs of EnergyPlus for a construction, by name."""
-    path = folder / f"{construction}.idf"
-    text = SMALL_OFFICE.text(construction, objects, EVERY_STEP)
-    path.write_text(text.replace("Timestep,4", f"Timestep,{steps}"))
-    model = read_building_model(path).objects
-    asked = [Output(name, "South Window") for name in OUTPUTS.values()]
-    values = simulate(AnnualRun(model, weather, [], asked))
-    return dict(zip(OUTPUTS, values, strict=True))
+def through(ours, passed, found):
+    """Return transmitted sun and diffuse radiation [W], with EnergyPlus' radiation.
 
-
-class Ours:
-    """Radiation on the window by patch, that of the sun alone, and of the ground."""
-
-    def __init__(self, folder, weather, partition):
-        (folder / "room.rad").write_text(ROOM)
-        (folder / "window.rad").write_text(WINDOW)
-        (folder / "desk.pts").write_text("2 2 .8 0 0 1\n")
-        (folder / "study.toml").write_text(STUDY.format(weather=weather.resolve()))
-        study = cl.read_study(folder / "study.toml")
-        inputs = read_inputs(study)
-        job = Job(study, inputs, MatrixStore(folder / "matrices"), silent)
-        self.partition = partition
-        self.beam = sunlight(job, 0, partition)
-        self.rest = incident_radiation(job, 0, partition) - self.beam
-        suns = sun_over(inputs.weather, rotation_deg=0).directions()
-        level = inputs.weather.direct_normal * np.maximum(suns[:, 2], 0)
-        whole = level + inputs.weather.diffuse_horizontal
-        self.ground = study.sky.ground_reflectance * whole / 2
-        frame = inputs.groups[0].outer.frame
-        self.travel = -suns @ np.array([frame.right, frame.up, frame.normal]).T
-
-    def through(self, optics, found):
-        """Transmitted radiation, with EnergyPlus' radiation on the window [W]."""
-        sun, rest = self.beam.sum(axis=0), self.rest.sum(axis=0)
-        share = optics.transmittance @ self.beam / np.maximum(sun, 1e-9)
-        diffuse = optics.transmittance @ self.rest / np.maximum(rest, 1e-9)
-        outside = found["sky"] + found["ground"]
-        return AREA * share * found["beam"], AREA * diffuse * outside
+    `passed` is the transmittance by incident patch.
+    """
+    sun, rest = ours.beam.irradiance, ours.rest.sum(axis=0)
+    share = passed @ ours.beam.patches / np.maximum(sun, 1e-9)
+    diffuse = passed @ ours.rest / np.maximum(rest, 1e-9)
+    outside = found["sky"] + found["ground"]
+    return AREA * share * found["beam"], AREA * diffuse * outside
 
 
 def compare(name, found, expected, lit):
@@ -148,7 +67,7 @@ def compare(name, found, expected, lit):
 def outdoors(ours, found, steps):
     """Print rows of the radiation on the window."""
     title = f"{steps} time step{'s' if steps > 1 else ''} in the hour"
-    sun, rest = ours.beam.sum(axis=0), ours.rest.sum(axis=0)
+    sun, rest = ours.beam.irradiance, ours.rest.sum(axis=0)
     whole = found["beam"] + found["sky"] + found["ground"]
     compare(f"sun, {title}", sun, found["beam"], found["beam"] > DIM)
     if steps == 1:
@@ -158,34 +77,49 @@ def outdoors(ours, found, steps):
     compare(f"all, {title}", sun + rest, whole, whole > DIM)
 
 
-def indoors(ours, optics, found, name):
+def from_weather(ours, passed, four, one):
+    """Print rows of the transmitted radiation, with the radiation of each program."""
+    mine = AREA * passed @ (ours.beam.patches + ours.rest)
+    whole = {n: f["beam in"] + f["diffuse in"] for n, f in ((4, four), (1, one))}
+    for steps, expected in whole.items():
+        title = f"{steps} time step{'s' if steps > 1 else ''} in the hour"
+        compare(f"ours, {title}", mine, expected, expected > AREA * DIM / 2)
+    expected = whole[4]
+    title = "EnergyPlus with 1 time step, 4 time steps in the hour"
+    compare(title, whole[1], expected, expected > AREA * DIM / 2)
+
+
+def indoors(ours, passed, found, name):
     """Print rows of the transmitted radiation, with the same on the window."""
     outside = found["sky"] + found["ground"]
     lit, sunny = found["beam"] + outside > DIM, found["beam"] > DIM
-    beam, diffuse = ours.through(optics, found)
+    beam, diffuse = through(ours, passed, found)
     whole = found["beam in"] + found["diffuse in"]
     compare(f"{name}: sun", beam, found["beam in"], sunny)
     compare(f"{name}: diffuse", diffuse, found["diffuse in"], lit)
     compare(f"{name}: all", beam + diffuse, whole, lit)
-    return beam, diffuse, whole, lit
+    return beam, whole, lit
 
 
-def glass(ours, optics, found, name):
+def glass(ours, passed, found, partition):
     """Print rows of clear glass, without differences of methods one by one."""
-    beam, _, whole, lit = indoors(ours, optics, found, name)
-    share = optics.partition.projected_solid_angles() / np.pi
-    mean = float(optics.transmittance @ share)
+    name = "clear, ordinary glazing"
+    beam, whole, lit = indoors(ours, passed, found, name)
+    mean = hemispherical(partition, passed)
     same = AREA * mean * (found["sky"] + found["ground"])
     compare(f"{name}: all, one diffuse transmittance", beam + same, whole, lit)
     cosine = np.clip(found["cosine"], 1e-3, 1)
+    between = AREA * at_cosine(partition, passed, cosine) * found["beam"]
+    text = f"{name}: all, one diffuse transmittance, EnergyPlus' solar position"
+    compare(text, between + same, whole, lit)
     exact = AREA * pane_pair(PANE.material)(cosine)[0] * found["beam"]
     text = f"{name}: all, one diffuse transmittance, sun by Fresnel's equations"
     compare(text, exact + same, whole, lit)
 
 
-def walks(ours, optics, found):
+def walks(ours, passed, found, partition):
     """Print errors of the sun's transmittance through a blind, by random walks."""
-    sunny = np.flatnonzero((found["beam"] > DIM) & (ours.beam.sum(axis=0) > 0))
+    sunny = np.flatnonzero((found["beam"] > DIM) & (ours.beam.irradiance > 0))
     chosen = np.random.default_rng(1).choice(sunny, WALKS, replace=False)
     way, panes = ours.travel[chosen], pane_pair(PANE.material)
     slats = {"slats": blind(45).slats, "reflectance": 0.7, "gap": 0.05}
@@ -194,7 +128,7 @@ def walks(ours, optics, found):
     print("|---|---|---|---|")
     beam = found["beam"][chosen] / found["beam"][chosen].sum()
     for name, share in (
-        ("ours", optics.transmittance @ patch_weights(optics.partition, way)),
+        ("ours", passed @ patch_weights(partition, way)),
         ("EnergyPlus", found["beam in"][chosen] / (AREA * found["beam"][chosen])),
     ):
         ratio = share / walked - 1
@@ -211,35 +145,28 @@ def main():
     parser.add_argument("--basis", default="full")
     args = parser.parse_args()
     head = "| year | mean of hours | radiation within 3 % | hours | largest |"
+    rule = "|---|---|---|---|---|---|"
     with tempfile.TemporaryDirectory() as place:
         folder, partition = Path(place), klems(args.basis)
-        lights = {
-            name: stack_layers(one.layers, partition=partition, method="bands")
-            for name, one in SYSTEMS.items()
-        }
-        objects = {"plain": PLAIN} | {
-            name: as_idf(complex_fenestration(SYSTEMS[name], light))
-            for name, light in lights.items()
-        }
-        write_bsdf(folder / "clear.xml", lights["clear"].bsdf)
-        four = theirs(folder, args.weather, "plain", PLAIN, 4)
+        known = systems(partition)
+        objects = {"plain": PLAIN} | {name: text for name, (_, text) in known.items()}
+        four = by_energyplus(folder, args.weather, "plain", PLAIN, steps=4)
         found = {
-            name: theirs(folder, args.weather, name, text, 1)
+            name: by_energyplus(folder, args.weather, name, text)
             for name, text in objects.items()
         }
-        optics = {
-            name: complex_optics(read_building_model(folder / f"{name}.idf"), name)
-            for name in lights
-        }
-        ours = Ours(folder, args.weather, partition)
-        print(f"| on the window {head}\n|---|---|---|---|---|---|")
+        passed = {name: transmittance(light) for name, (light, _) in known.items()}
+        ours = Ours(folder, args.weather, known["clear"][0], partition)
+        print(f"| on the window {head}\n{rule}")
         outdoors(ours, four, 4)
         outdoors(ours, found["plain"], 1)
-        print(f"\n| transmitted, same on the window {head}\n|---|---|---|---|---|---|")
-        glass(ours, optics["clear"], found["plain"], "clear, ordinary glazing")
-        indoors(ours, optics["clear"], found["clear"], "clear, state")
-        indoors(ours, optics["blind"], found["blind"], "blind, state")
-        walks(ours, optics["blind"], found["blind"])
+        print(f"\n| transmitted, from the weather file {head}\n{rule}")
+        from_weather(ours, passed["clear"], four, found["plain"])
+        print(f"\n| transmitted, same on the window {head}\n{rule}")
+        glass(ours, passed["clear"], found["plain"], partition)
+        indoors(ours, passed["clear"], found["clear"], "clear, state")
+        indoors(ours, passed["blind"], found["blind"], "blind, state")
+        walks(ours, passed["blind"], found["blind"], partition)
 
 
 if __name__ == "__main__":

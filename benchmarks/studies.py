@@ -23,6 +23,7 @@ import numpy as np
 from duel import stamp
 
 import clerestory as cl
+from clerestory.bands import RGB
 from clerestory.image.denoise import denoise
 from clerestory.image.srgb_display import to_srgb, write_display
 from clerestory.image.tone_curves import filmic, key_luminance
@@ -30,6 +31,7 @@ from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.phases.rendering import render
 from clerestory.radiance.generated_sky import sky_at
 from clerestory.report.uncertain_value import Figure
+from clerestory.scene.band_conversion import in_bands
 from clerestory.scene.model import BsdfSurface
 from clerestory.scene.surface import Polygon
 from clerestory.study.config import read_study
@@ -94,11 +96,15 @@ def picture(shown: Shown, results: Results, resolution: int, samples: int) -> No
     inputs = read_inputs(study)
     year = int(str(inputs.weather.times[0])[:4])
     moment = datetime.datetime.fromisoformat(f"{year}-{shown.moment}")
-    scene = inputs.scene + panes(inputs, results, np.datetime64(moment))
+    scene, bands = inputs.scene, inputs.scene.bands
+    scene += panes(inputs, results, np.datetime64(moment))
+    light = sky_at(inputs.weather, moment)
+    if bands != RGB:
+        light = in_bands(light, bands)  # white
     view = cl.read_view(study.folder / shown.view)
     columns, rows = view.size_for(resolution)
     made = render(
-        scene + sky_at(inputs.weather, moment),
+        scene + light,
         view,
         columns=columns,
         rows=rows,
@@ -125,7 +131,7 @@ def panes(inputs: Inputs, results: Results, moment: np.datetime64) -> cl.Scene:
         surfaces += [
             replace(pane, material=group.name) for pane in group.inner.polygons
         ]
-    return cl.Scene(materials, tuple(surfaces))
+    return cl.Scene(materials, tuple(surfaces), bands=inputs.scene.bands)
 
 
 def run(study: Path, out: Path) -> None:

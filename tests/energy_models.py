@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from clerestory.energyplus.building_model import read_building_model
+from clerestory.energyplus.engine_run import AnnualRun, simulate
 from clerestory.glazing.glazing_system import Gap, GlazingSystem
 from clerestory.glazing.layer import Glass
 from clerestory.glazing.pane import grey_pane
@@ -26,6 +28,14 @@ def blind(tilt_deg):
     """A blind of 25 mm slats every 20 mm."""
     slats = SlatGeometry(width=0.025, spacing=0.02, tilt=np.radians(tilt_deg))
     return VenetianBlind(SLAT, slats)
+
+
+def annual_outputs(folder, weather, text, outputs):
+    """Hourly outputs of EnergyPlus for IDF text, over (output, hour)."""
+    path = folder / "in.idf"
+    path.write_text(text)
+    model = read_building_model(path).objects
+    return simulate(AnnualRun(model, weather, [], outputs))
 
 
 def double_glazing(name="clear"):

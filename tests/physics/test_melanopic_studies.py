@@ -273,6 +273,30 @@ def test_electric_light_has_the_spectrum_of_its_lamps(study, tmp_path, bands):
     assert "with electric light" in (page / "metrics.csv").read_text()
 
 
+def test_the_spectrum_at_eyes_has_the_light_of_lamps(study, tmp_path):
+    """Illuminant A and daylight in a grey room, each hour; nights have lamps alone."""
+    folder = tmp_path / "study"
+    (folder / "lamp.rad").write_text(LAMP)
+    (folder / "lamp.csv").write_text(illuminant(2856.0))
+    output = SPECTRAL.replace("GRID", "desk")
+    data = study("20", spectrum=LIT, output=output)
+    names = data["eye"].values
+    own, total = (data[n].sel(photoreceptor="melanopic") for n in ("edi", "total_edi"))
+    added = data["electric_melanopic_edi"].sel(sensor=names).values
+    np.testing.assert_allclose(total - own, added, rtol=1e-4, atol=1e-2)
+    lamps = data["electric_illuminance"].sel(sensor=names).values > 1
+    alone = lamps & (data["eye_illuminance"].values == 0)
+    both = lamps & (data["eye_illuminance"].values > 1)
+    assert both.any()
+    kelvin = data["total_colour_temperature"].values
+    assert kelvin[alone] == pytest.approx(2856, rel=0.01)
+    assert (kelvin[both] < data["colour_temperature"].values[both]).all()
+    assert (kelvin[both] > 2856 * 0.99).all()
+    head, first, *_ = next(tmp_path.glob("20-*/spectral.csv")).read_text().splitlines()
+    assert "melanopic EDI with electric light [lux]" in head
+    assert len(first.split(",")) == len(head.split(","))
+
+
 def test_lamps_without_spectrum_give_illuminance_only(study, tmp_path):
     """White ones, whose light is the same in all bands."""
     white = LAMP.replace("20 30 25", "25 25 25")

@@ -14,10 +14,19 @@ from clerestory.hemisphere.klems import klems
 from clerestory.report.page import write_report
 from clerestory.study.config import read_study
 from clerestory.study.study_run import run_study
+from uncertain_room import unknown
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
 STEP = 0.1
 GREY = ".5 .5 .5"
+
+# Port of the four- and six-phase methods, in front of the window
+PORTS = """#@rfluxmtx h=kq u=Z
+void polygon front
+0
+0
+12 4 -0.5 0.5  0 -0.5 0.5  0 -0.5 3  4 -0.5 3
+"""
 
 
 @pytest.fixture
@@ -26,6 +35,7 @@ def files(tmp_path):
     folder = tmp_path / "study"
     shutil.copytree(ROOM, folder)
     write_bsdf(folder / "diffuser.xml", lambertian(0.5, klems("quarter")))
+    (folder / "ports.rad").write_text(PORTS)
     return folder
 
 
@@ -36,6 +46,9 @@ def run(folder, out, *, method="3-phase", reflectance=None, seed=1, table=""):
         "seed = 7", f"seed = {seed}"
     )
     text = text.replace("samples = 256", "samples = 16384")
+    if method in ("4-phase", "6-phase"):
+        own = 'bsdf = "diffuser.xml"\n'
+        text = text.replace(own, f'{own}ports = "ports.rad"\n')
     (folder / "study.toml").write_text(f"{text}\n{table}")
     scene = (ROOM / "room.rad").read_text()
     if reflectance is not None:
@@ -54,6 +67,8 @@ def run(folder, out, *, method="3-phase", reflectance=None, seed=1, table=""):
         "3-phase",
         pytest.param("2-phase", marks=pytest.mark.slow),
         pytest.param("5-phase", marks=pytest.mark.slow),
+        pytest.param("4-phase", marks=pytest.mark.slow),
+        pytest.param("6-phase", marks=pytest.mark.slow),
     ],
 )
 def test_changes_are_those_of_studies_with_other_walls(files, tmp_path, method):
@@ -143,6 +158,24 @@ def test_changes_of_glare_are_in_table_and_report(files, tmp_path):
 def test_glare_without_a_view_is_refused(files, tmp_path):
     with pytest.raises(InputError, match="glare without a view that is wide enough"):
         run(files, tmp_path, table='[sensitivity]\nmaterials = "all"\nglare = true\n')
+
+
+@pytest.mark.slow
+def test_uncertain_walls_behind_ports_are_those_of_traced_rooms(files, tmp_path):
+    """Draws far from the model, expanded and traced again with the same seeds."""
+    table = f"[uncertainty]\ndraws = 128\nchecks = 2\n{unknown('grey', 0.05)}"
+    data = run(files, tmp_path / "out", method="4-phase", table=table).data
+    assert not data["check_fails"].values.any()
+    traced, expanded = (data[f"check_{n}"].values[:, 0] for n in ("traced", "expanded"))
+    assert np.abs(traced / data["known_figure_value"].values[0] - 1).max() > 0.05
+    assert expanded == pytest.approx(traced, rel=0.02)
+
+
+def test_glare_with_ports_is_refused(files, tmp_path):
+    """Derivatives of illuminance are computed; glare behind ports is not tested."""
+    table = '[sensitivity]\nmaterials = "all"\nglare = true\n'
+    with pytest.raises(InputError, match='glare with method "4-phase"'):
+        run(files, tmp_path, method="4-phase", table=table)
 
 
 def test_an_unknown_material_is_named_before_tracing(files, tmp_path):

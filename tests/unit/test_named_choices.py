@@ -108,6 +108,7 @@ ELSEWHERE = {
     "daylight_coefficients derivatives",
     "daylight_matrices derivatives",
     "daylight_matrix derivatives",
+    "facade_matrices derivatives",
     "fit_measurement symmetry",
     "generate_bsdf basis",
     "generate_bsdf sides",

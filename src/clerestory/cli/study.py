@@ -206,7 +206,7 @@ def _known(results: Results) -> Iterator[tuple[str, str]]:
     if "known_figure_value" not in results.data:
         return
     for one in known_figures(results.data):
-        words = f"{one.simulation} (simulation), {one.knowledge} (what is known)"
+        words = f"{one.simulation} (simulation), {one.knowledge} (what is not known)"
         yield f"{one.name}, {one.place}", words
     for name, (space, level, chance) in probabilities(results.data):
         yield name, f"{space}: {level} or better with a probability of {chance}"

@@ -21,7 +21,14 @@ from jaxtyping import Bool, Float, Int
 from clerestory.engine.batch_lengths import BatchLengths, Growth
 from clerestory.engine.derivative_sums import derivatives_of, joined, values_of
 from clerestory.engine.effort import Effort
-from clerestory.engine.sums import Estimate, Sums, estimated
+from clerestory.engine.sums import (
+    PACKET,
+    PACKET_SUMS,
+    Estimate,
+    Sums,
+    estimated,
+    sums_of_place,
+)
 from clerestory.engine.work_units import Job, Unit, UnitSize, evenly_spaced
 from clerestory.matrix.derivatives import Derivatives, Parameter, pair_indices
 from clerestory.progress import share_of_progress
@@ -76,10 +83,15 @@ class EstimatedJob(Job):
         together = 1 if self.cut is None else len(rows)
         points = size.paths // (self.batches * together)
         points = min(_LONGEST_RANGE, max(self.growth.pilot, points))
+        rows_of_sums = size.sums // row_bytes(self)
+        _, places, columns, channels = self.shape
+        if channels >= PACKET and self.device == "cpu":
+            of_row = places * columns * sums_of_place(channels)
+            rows_of_sums = min(rows_of_sums, (PACKET_SUMS - PACKET) // of_row)
         for begin in range(first, end, points):
             count = min(end - begin, points)
             most = size.paths // (self.batches * count)
-            most = max(1, min(most, size.sums // row_bytes(self)))
+            most = max(1, min(most, rows_of_sums))
             for row in range(0, len(rows), most):
                 yield Unit(rows[row : row + most], begin, count)
 

@@ -30,7 +30,7 @@ from clerestory.engine.patches import SkyTable
 from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.primary_rays import Lanes, lanes, window_ray
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, points
-from clerestory.engine.sinks import DerivativeSink, MatrixSink
+from clerestory.engine.sinks import DerivativeSink, MatrixSink, by_place, empty_sums
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.window_sampling import (
     SeparatedSkyPatches,
@@ -186,8 +186,8 @@ def matrix_tracer(
     stretch = lru_cache(maxsize=1)(points)
 
     def trace(unit: Unit) -> UInt64[np.ndarray, "row place column channel"]:
-        size = len(unit.rows) * places * columns * channels
-        sums = dr.zeros(mi.UInt64, size + 1)
+        count = len(unit.rows) * places * columns
+        sums = empty_sums(count, channels)
         with launching():
             sequence = stretch(unit.first, unit.count)
             paths = lanes(
@@ -197,7 +197,8 @@ def matrix_tracer(
             launch(sink, paths, unit)
             added = sink.sums.numpy()
         refuse_out_of_range(int(added[0]))
-        return added[1:].reshape(len(unit.rows), places, columns, channels)
+        shape = len(unit.rows), places, columns, channels
+        return by_place(added, count, channels).reshape(shape)
 
     return trace
 

@@ -5,7 +5,7 @@ increments the revision if the code that matrices depend on has changed, as requ
 a test.
 """
 
-ESTIMATOR_REVISION = 43
+ESTIMATOR_REVISION = 46
 
 # SHA-256 of the sources of this revision
-ESTIMATOR_DIGEST = "010458ada5d76163647ed4c22c929ebc869e89f83883595fbf11032a3b76c5ac"
+ESTIMATOR_DIGEST = "b04f1c0efe914901df52b716ad26ea1b15bf691fc61b36311f0457d75ac4630a"

@@ -10,9 +10,14 @@ from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
+from jaxtyping import UInt64
 
 from clerestory.engine.derivative_sums import Places
-from clerestory.engine.sums import FIXED_POINT
+from clerestory.engine.sums import FIXED_POINT, PACKET, PACKET_SUMS, sums_of_place
+
+# Largest number of threads that have copies of sums of packets
+_MOST_COPIES = 16
 
 # A weight is converted as two integers of at least 20 bits, which is fastest on CPUs.
 _HALF = FIXED_POINT**0.5
@@ -25,9 +30,8 @@ _LARGEST = 2000.0
 class MatrixSink:
     """Sums of a matrix in fixed point.
 
-    The first element of `sums` counts path weights outside the valid range; the others
-    are sums by row and batch, column, and channel. `slot` indexes the path's row and
-    batch.
+    `sums` are those of `empty_sums`: the first element counts path weights outside the
+    valid range. `slot` indexes the path's row and batch.
     """
 
     sums: mi.UInt64
@@ -44,7 +48,7 @@ class MatrixSink:
         for channel in range(self.channels):
             fits &= (value[channel] >= 0) & (value[channel] < _LARGEST)
         one, first = mi.UInt64(1), mi.UInt32(0)
-        dr.scatter_add(self.sums, one, first, active & ~fits, _reduction())
+        dr.scatter_add(self.sums, one, first, active & ~fits, self._reduction())
         weights = [value[channel] for channel in range(self.channels)]
         self._scatter(self.slot, column, weights, active & fits)
 
@@ -56,9 +60,33 @@ class MatrixSink:
         self._scatter_amounts(slot, column, amounts, active)
 
     def _scatter_amounts(self, slot, column, amounts: list[mi.UInt64], active) -> None:
-        index = (slot * self.columns + column) * self.channels + 1
-        for channel, amount in enumerate(amounts):
-            dr.scatter_add(self.sums, amount, index + channel, active, _reduction())
+        place = slot * self.columns + column
+        if self.channels < PACKET:
+            index = place * self.channels + 1
+            for channel, amount in enumerate(amounts):
+                dr.scatter_add(
+                    self.sums, amount, index + channel, active, self._reduction()
+                )
+            return
+        packets = sums_of_place(self.channels) // PACKET
+        none = [mi.UInt64(0)] * (packets * PACKET - self.channels)
+        padded, index = [*amounts, *none], place * packets + 1
+        for number in range(packets):
+            packet = padded[number * PACKET : (number + 1) * PACKET]
+            dr.scatter_add(
+                self.sums, mi.ArrayXu64(packet), index + number, active,
+                self._reduction(),
+            )  # fmt: skip
+
+    def _reduction(self) -> dr.ReduceMode:
+        # On a CPU, atomic additions of single numbers by all threads to the same sums
+        # are as fast as copies for each thread, which require a separate kernel for
+        # every number of sums; packets are several times faster, but not atomic
+        if dr.backend_v(mi.UInt64) != dr.JitBackend.LLVM:
+            return dr.ReduceMode.Auto
+        if self.channels < PACKET or dr.thread_count() > _MOST_COPIES:
+            return dr.ReduceMode.Direct
+        return dr.ReduceMode.Expand
 
 
 def _fixed_point(weight: mi.Float, *, signed: bool = False) -> mi.UInt64:
@@ -199,8 +227,20 @@ class RecordSink:
 Sink = MatrixSink | RadianceSink | RecordSink
 
 
-def _reduction() -> dr.ReduceMode:
-    # On a CPU, all threads add to the same sums: copies for each thread are no faster,
-    # and require a separate kernel for every number of sums
-    processor = dr.backend_v(mi.UInt64) == dr.JitBackend.LLVM
-    return dr.ReduceMode.Direct if processor else dr.ReduceMode.Auto
+def empty_sums(places: int, channels: int) -> mi.UInt64:
+    """Return sums of zero for a number of places (row, batch and column).
+
+    Sums in packets have a common size, for which a single kernel is compiled.
+    """
+    if channels < PACKET:
+        return dr.zeros(mi.UInt64, places * channels + 1)
+    size = PACKET + places * sums_of_place(channels)
+    return dr.zeros(mi.UInt64, max(PACKET_SUMS, 1 << (size - 1).bit_length()))
+
+
+def by_place(
+    sums: UInt64[np.ndarray, " sum"], places: int, channels: int
+) -> UInt64[np.ndarray, "place channel"]:
+    """Return the sums of each place and channel."""
+    first, width = 1 if channels < PACKET else PACKET, sums_of_place(channels)
+    return sums[first : first + places * width].reshape(places, width)[:, :channels]

@@ -22,6 +22,20 @@ _CACHED = 1 << 20
 # 2²⁴
 FIXED_POINT = float(1 << 40)
 
+# Sums of this many channels or more are added to in packets of consecutive sums, and
+# number at most PACKET_SUMS in a unit of several rows on a CPU
+PACKET = 8
+PACKET_SUMS = 1 << 22
+
+
+def sums_of_place(channels: int) -> int:
+    """Return the number of sums of a row, batch and column, some of them unused.
+
+    >>> sums_of_place(3), sums_of_place(8), sums_of_place(81)
+    (3, 8, 88)
+    """
+    return channels if channels < PACKET else -(-channels // PACKET) * PACKET
+
 
 @dataclass(frozen=True, eq=False)
 class Estimate:

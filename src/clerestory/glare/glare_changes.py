@@ -23,6 +23,7 @@ from clerestory.brief_repr import brief
 from clerestory.checks import require, same_length
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
+from clerestory.glare.changed_rooms import changed_room, without_components
 from clerestory.glare.sphere_refinement import Refinement
 from clerestory.glare.view_grid_metrics import DISTURBING, view_figures
 from clerestory.glare.view_point_tracer import ViewPointTracer
@@ -39,8 +40,8 @@ from clerestory.phases.matrix_equation import (
 )
 from clerestory.phases.methods import FIVE_PHASE
 from clerestory.phases.picture_matrices import differentiated_view_matrices
-from clerestory.phases.shaded_windows import ShadedWindow, ShadeState
-from clerestory.scene.material_parameters import material_parameters, with_parameters
+from clerestory.phases.shaded_windows import ShadedWindow
+from clerestory.scene.material_parameters import material_parameters
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 
@@ -174,25 +175,6 @@ def view_point_changes(
     return _labelled(np.array(found), parameters, steps)
 
 
-def changed_room(
-    tracer: ViewPointTracer, values: Mapping[str, float], change: Mapping[str, float]
-) -> ViewPointTracer:
-    """Return the room with other values of parameters, and D by its derivatives.
-
-    `values` are those of the parameters, `change` their differences from the scene.
-
-    Raises
-    ------
-    InputError : a BSDF, of which direct light cannot be traced with another value
-    """
-    scene = tracer.scene
-    if tracer.sunlit and change:
-        scene = with_parameters(scene, values)
-    windows = tuple(_changed(each, change) for each in tracer.windows)
-    # Not a copy of the tracer, which keeps beams of light in its own room
-    return ViewPointTracer(scene, windows, tracer.skies, tracer.terms)
-
-
 def _rooms(
     tracer: ViewPointTracer,
     parameters: Sequence[Parameter],
@@ -211,31 +193,6 @@ def _changes(
     for parameter, pair in zip(parameters, steps.tolist(), strict=True):
         for step in pair:
             yield {parameter.name: step}
-
-
-def _changed(shaded: ShadedWindow, change: Mapping[str, float]) -> ShadedWindow:
-    # A window whose D is that of a changed scene
-    known: dict[int, TransferMatrix] = {}
-
-    def of(matrix: TransferMatrix) -> TransferMatrix:
-        derivatives = matrix.derivatives
-        if derivatives is None or not set(change) <= set(derivatives.names):
-            return replace(matrix, derivatives=None)
-        # Equal matrices remain one object
-        if id(matrix) not in known:
-            known[id(matrix)] = expanded_matrix(matrix, change)
-        return known[id(matrix)]
-
-    def state(own: ShadeState) -> ShadeState:
-        return replace(own, whole=tuple(map(of, own.whole)))
-
-    return replace(shaded, states=tuple(map(state, shaded.states)))
-
-
-def without_components(matrix: TransferMatrix) -> TransferMatrix:
-    """Return a matrix with one error component of zero, for products without errors."""
-    none = np.zeros((1, *matrix.values.shape), np.float32)
-    return replace(matrix, components=none, derivatives=None)
 
 
 def _replicates(

@@ -1,7 +1,8 @@
 """Interpolation between the centres of patches, in polar angle and azimuth.
 
-Quantities that are known as means over patches, such as absorptances by incident patch,
-are evaluated at the true direction of the sun.
+Quantities that are known by incident patch, such as transmittances and absorptances,
+are evaluated at the true direction of the sun. Between the outermost ring and grazing
+incidence they decrease to zero, as surfaces reflect all light there.
 """
 
 import numpy as np
@@ -16,8 +17,9 @@ def patch_weights(
 ) -> Float[np.ndarray, "patch direction"]:
     """Weights of the patches for linear interpolation at each direction.
 
-    The weights of a direction sum to one; at the centre of a patch they are one for
-    this patch. Beyond the centre of the outermost ring, its values are kept.
+    At the centre of a patch they are one for this patch. The weights of a direction sum
+    to one up to the centre of the outermost ring; beyond it, their sum decreases to
+    zero at grazing incidence.
 
     Parameters
     ----------
@@ -42,8 +44,11 @@ def patch_weights(
     inner = np.clip(np.searchsorted(rings, theta, side="right") - 1, 0, len(rings) - 2)
     outwards = np.clip((theta - rings[inner]) / np.diff(rings)[inner], 0, 1)
 
+    # One up to the outermost ring, zero at grazing incidence
+    kept = np.clip((np.pi / 2 - theta) / (np.pi / 2 - rings[-1]), 0, 1)
+
     weights, every = np.zeros((len(partition), len(theta))), np.arange(len(theta))
-    for ring, share in ((inner, 1 - outwards), (inner + 1, outwards)):
+    for ring, share in ((inner, 1 - outwards), (inner + 1, outwards * kept)):
         count, first = partition.count[order[ring]], partition.first[order[ring]]
         place = turn * count
         left = np.floor(place).astype(int)

@@ -18,19 +18,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Unpack
 
+import numpy as np
+
 from clerestory.engine.controller import estimate
 from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.matrix_jobs import FacadeJob
 from clerestory.errors import ClerestoryWarning
 from clerestory.matrix.axis import window_axis
+from clerestory.matrix.derivatives import Derivatives
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
 from clerestory.phases.traced_matrices import (
+    Differentiated,
     matrix_effort,
     patch_axes,
     require_distinct,
     split_columns,
     warn_if_short,
 )
+from clerestory.scene.material_parameters import material_parameters
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 
@@ -50,6 +55,8 @@ def facade_matrices(
     scene: Scene,
     window: Window,
     ports: Sequence[Window],
+    *,
+    derivatives: Differentiated = (),
     **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
     """Façade matrices of several ports, traced together, by port name.
@@ -94,7 +101,13 @@ def facade_matrices(
     require_distinct([window, *ports])
     effort = matrix_effort(facade_matrices, keywords)
     options = effort.job_options()
-    job = FacadeJob(scene=scene, window=window, ports=tuple(ports), **options)
+    job = FacadeJob(
+        scene=scene,
+        window=window,
+        ports=tuple(ports),
+        derivatives=material_parameters(scene, derivatives),
+        **options,
+    )
     estimated = estimate(job, effort)
     warn_if_short(estimated, f"façade matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
@@ -140,5 +153,18 @@ def joint_sum(terms: Sequence[TransferMatrix]) -> TransferMatrix:
         one, other = total.components, term.components
         total = total + term
         if one is not None and other is not None and len(one) == len(other):
-            total = replace(total, components=one + other)
+            total = replace(
+                total,
+                components=one + other,
+                derivatives=_jointly(total.derivatives, len(one)),
+            )
     return total
+
+
+def _jointly(derivatives: Derivatives | None, count: int) -> Derivatives | None:
+    # Derivatives of a sum, of whose error components the first `count` belong to one
+    # matrix and as many to the other, estimated from the same paths
+    if derivatives is None or derivatives.components is None:
+        return derivatives
+    one, other = np.split(derivatives.components, [count])
+    return replace(derivatives, components=one + other)

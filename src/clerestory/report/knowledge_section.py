@@ -33,6 +33,16 @@ _SHAPES = {
     "choice": "one of several weather files",
 }
 
+_KINDS = {
+    "reflectance": "share of the light that it reflects",
+    "transmittance": "of the glass, or factor on its light",
+    "dirt": "share of the light that dirt lets pass",
+    "bsdf": "factor on the light through the window",
+    "sky": "factor on the light of the sky",
+    "sun": "factor on the light of the sun",
+    "weather": "weather of a year",
+}
+
 
 # Probability that is not rounded to 0 or 1
 _NEARLY_NONE = 0.01
@@ -147,16 +157,16 @@ def _lead(data: xr.Dataset) -> list[str]:
         compared = "The random numbers of the simulation matter more than what is not"
         compared += " known: more samples would help."
     cause = _cause(data, first)
+    between = figure.range.replace(" to ", " and ")
     words = [
         f"{figure.name.capitalize()} of “{figure.place}” is {value:.1f} % in the model."
-        f" With all that is not known exactly it is between {figure.range} in nine of"
+        f" With all that is not known exactly it is between {between} in nine of"
         f" ten cases. {compared}"
     ]
     if cause:
         words.append(
-            f"Most of this comes from {cause}: to know the result better, measure that"
-            " first. A percentage is the share of the variance that the quantity has to"
-            " do with."
+            f"The largest part comes from {cause}: to know the result better, measure"
+            " that first. Percentages are shares of the scatter, explained below."
         )
     return words
 
@@ -169,15 +179,19 @@ def _together(data: xr.Dataset) -> str:
         return ""
     alone = float(np.mean(first[varies].sum(axis=1)))
     if alone > 0.9 or float(np.mean(total[varies].sum(axis=1))) < 1.1:
-        return "Here the quantities act almost independently: shares add up to 100 %."
+        return (
+            "Here the effects of the quantities add up, and so do their shares, to"
+            " about 100 %."
+        )
     return (
-        f"Here the shares of single quantities add up to {100 * alone:.0f} % on"
-        " average; the rest arises where several deviate at once."
+        f"Here quantities that vary one at a time explain {100 * alone:.0f} % of the"
+        " scatter on average; the rest arises where several deviate at once, and counts"
+        " for each of them. Bars are drawn to the same length."
     )
 
 
 def _unknowns(data: xr.Dataset) -> list[tuple[str, list[str]]]:
-    # Name, value in the model, range and distribution of each quantity
+    # Name, value in the model, range, distribution and meaning of each quantity
     rows = []
     for k, name in enumerate(data["unknown"].values.astype(str)):
         low, high, reference = (
@@ -190,7 +204,8 @@ def _unknowns(data: xr.Dataset) -> list[tuple[str, list[str]]]:
             ends, told = "any year", "file of the study"
         else:
             told = number(reference)
-        rows.append((name, [told, ends, _SHAPES.get(shape, shape)]))
+        meaning = _KINDS[str(data["unknown_kind"].values[k])]
+        rows.append((name, [told, ends, _SHAPES.get(shape, shape), meaning]))
     return rows
 
 

@@ -49,6 +49,7 @@ def sensitivity_section(content: ReportContent) -> Section:
             several=len(parts) > 1,
             tables=[(place, _heads(part), _lines(part)) for place, part in parts],
             example=_example(data),
+            step=_step(data),
             keys=((_MORE, "lighter or clearer"), (_LESS, "darker or less clear")),
             glare=len(found) > 1,
         )
@@ -199,7 +200,8 @@ def _example(data: xr.Dataset) -> str:
     place = str(data["place"].values[0])
     of = data.sel(place=place)
     name = "spatial autonomy"
-    if not np.any(of["sensitivity"].sel(figure=name).values):
+    # Few sensors may all stay on their side of the target
+    if not np.any(of["sensitivity"].sel(figure=name, change="more").values):
         name = "mean illuminance"
     one = of.sel(figure=name)
     largest = int(np.argmax(np.abs(one["sensitivity"].values[:, 1])))
@@ -211,3 +213,8 @@ def _example(data: xr.Dataset) -> str:
     )
     material = str(one["parameter"].values[largest])
     return f"{step:+.2g} on {material}: {name} of {place} {change}"
+
+
+def _step(data: xr.Dataset) -> str:
+    # Step of the study; single materials may have a smaller one
+    return f"{float(np.abs(data['sensitivity_step'].values).max()):.2g}"

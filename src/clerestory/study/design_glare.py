@@ -18,16 +18,18 @@ import scipy
 from jaxtyping import Float, Int
 
 from clerestory.brief_repr import brief
+from clerestory.checks import require
 from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
+from clerestory.glare.changed_rooms import changed_room, without_components
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
-from clerestory.glare.glare_changes import changed_room, without_components
 from clerestory.glare.point_glare import point_glare
 from clerestory.glare.sphere_refinement import Refinement
 from clerestory.glare.view_grid_metrics import DISTURBING
 from clerestory.glare.view_point_tracer import ViewPointTracer
 from clerestory.glare.view_points import ViewPoint
 from clerestory.matrix.expansion import expanded_matrix
+from clerestory.phases.methods import METHODS
 from clerestory.phases.picture_matrices import differentiated_view_matrices
 from clerestory.scene.view import View
 from clerestory.study.annual_views import sees_glare
@@ -97,6 +99,11 @@ def glare_figures(
             f'[optimise] names the figure "{GLARE}", but no view is wide enough for'
             " glare; a table [[view]] of 180° and windows expected"
         )
+    require(
+        not METHODS[job.study.method].facade,
+        f'[optimise] names the figure "{GLARE}" with method "{job.study.method}"; a'
+        " method without ports expected",
+    )
     tracer, found = _tracer(job, situation, space), {}
     trials = _trials(space)
     for number, (label, view) in enumerate(eyes.items()):

@@ -26,8 +26,9 @@ def checked_materials(study: Study, scene: Scene, *, stored: bool) -> tuple[str,
         raise InputError(f"[sensitivity] materials: {error.message}") from error
     require(found, "[sensitivity]: no material reflects light; at least one expected")
     require(
-        not METHODS[study.method].facade,
-        f'[sensitivity] with method "{study.method}"; a method without ports expected',
+        not (table.glare and METHODS[study.method].facade),
+        f'[sensitivity] glare with method "{study.method}"; a method without ports'
+        " expected",
     )
     require(
         not stored,

@@ -33,7 +33,7 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.phases.methods import METHODS
 from clerestory.study.energy_model import EnergyModel
 from clerestory.study.job import Job
-from clerestory.study.solar_at_windows import incident_radiation
+from clerestory.study.solar_at_windows import IncidentRadiation, incident_radiation
 from clerestory.study.solar_in_zones import ZoneTransfer, zone_transfer
 
 # Difference of the energy balance that causes a warning
@@ -85,12 +85,12 @@ class SolarRadiation:
 @dataclass(frozen=True, eq=False)
 class _Pane:
     # Window, number of its group, solar properties of its states, shade states over
-    # time, and incident radiation by patch
+    # time, and incident radiation
     window: ModelWindow
     number: int
     optics: Sequence[ComplexOptics]
     state: Int[np.ndarray, " time"]
-    flux: Float[np.ndarray, "patch time"]
+    incident: IncidentRadiation
 
     def by_state(
         self, rows: Sequence[Float[np.ndarray, "row patch"]]
@@ -99,7 +99,7 @@ class _Pane:
         found = np.zeros((len(rows[0]), len(self.state)))
         for number, matrix in enumerate(rows):
             steps = np.flatnonzero(self.state == number)
-            found[:, steps] = matrix @ self.flux[:, steps]
+            found[:, steps] = matrix @ self.incident.patches[:, steps]
         return found
 
 
@@ -163,9 +163,9 @@ def _panes(
             " basis expected",
             file=model.table.model,
         )
-        flux = incident_radiation(job, number, optics[0].partition)
+        incident = incident_radiation(job, number, optics[0].partition)
         panes += [
-            _Pane(window, number, optics, states[table.name], flux)
+            _Pane(window, number, optics, states[table.name], incident)
             for window in model.windows[table.name]
         ]
     return panes
@@ -204,7 +204,7 @@ def _radiation(
     job: Job, pane: _Pane, received: Float[np.ndarray, " time"]
 ) -> WindowRadiation:
     # Radiation of a window; `received` is the irradiance of its indoor side
-    incident = pane.flux.sum(axis=0)
+    incident = pane.incident.irradiance
     transmitted = pane.by_state([one.transmittance[None] for one in pane.optics])[0]
     most = max(len(one.front) for one in pane.optics)
     layers = pane.by_state([_padded(one.front, most) for one in pane.optics])
@@ -217,7 +217,9 @@ def _radiation(
     known = [row for row in rows if row is not None]
     reflected, balance = through, np.full_like(incident, np.nan)
     if len(known) == len(rows):
-        reflected = pane.by_state([row[None] for row in known])[0]
+        reflected = (
+            pane.by_state([row[None] for row in known])[0] + pane.incident.grazing
+        )
         lit = incident > 0
         balance[lit] = (through - reflected)[lit] / incident[lit]
         _check_balance(job, pane, balance[lit])

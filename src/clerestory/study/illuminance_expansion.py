@@ -13,7 +13,6 @@ from clerestory.errors import InputError
 from clerestory.matrix.derivatives import pair_indices
 from clerestory.phases.illuminance_derivatives import illuminance_derivatives
 from clerestory.phases.matrix_equation import Skies, Term
-from clerestory.phases.methods import METHODS
 from clerestory.study.inputs import study_weather
 from clerestory.study.job import Job
 from clerestory.study.retracing import (
@@ -134,7 +133,7 @@ def _by_differences(job: Job, names: Mapping[str, str]) -> bool:
     # Matrices of direct light have no derivatives, but depend on panes of the scene
     direct = any(term.part != "whole" for term in job.study.terms)
     panes = any(not job.scene.materials[own].opaque for own in names.values())
-    return (direct and panes) or METHODS[job.study.method].facade
+    return direct and panes
 
 
 def _traced_derivatives(

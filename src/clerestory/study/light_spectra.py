@@ -1,6 +1,7 @@
 """Hourly spectra of light at eyes, reduced to quantities of CIE S 026 and CIE 15.
 
-The eyes are the sensors of the grids that `[output] spectral` names.
+The eyes are the sensors of the grids that `[output] spectral` names. Quantities of
+daylight and electric light together are named `total_…`, and have no standard errors.
 """
 
 from collections.abc import Sequence
@@ -9,7 +10,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from clerestory.metrics.light_spectrum import SpectralQuantities
+from clerestory.metrics.light_spectrum import Products, SpectralQuantities
 from clerestory.metrics.melanopic import days_of_light
 from clerestory.phases.blockwise_product import Block, BlockwiseProduct
 from clerestory.phases.matrix_equation import States
@@ -30,19 +31,24 @@ _NAMES = {
 
 
 def light_spectra(
-    signals: ControlInputs, states: States, illuminance: xr.DataArray
+    signals: ControlInputs,
+    states: States,
+    illuminance: xr.DataArray,
+    electric: xr.Dataset,
 ) -> xr.Dataset:
     """Return quantities of the spectrum over (eye, time), with standard errors.
 
     `eye` are the sensors of the grids in `[output] spectral`; the dataset is empty
-    without these. `illuminance` is that of all sensors, over (sensor, time).
+    without these. `illuminance` is that of all sensors, over (sensor, time), and
+    `electric` the results on electric light.
     """
     inputs, grids = signals.inputs, signals.study.output.spectral
     if not grids:
         return xr.Dataset()
     rows = np.unique(np.concatenate([inputs.rows(grid) for grid in grids]))
     quantities = SpectralQuantities.of(signals.skies.whole.bands)
-    found = _hourly(signals, quantities, rows, states)
+    lamps = _of_lamps(signals, rows, electric)
+    found = _hourly(signals, quantities, rows, states, lamps)
     names = np.array(sensor_labels(inputs))[rows]
     found = found.assign_coords(
         eye=names,
@@ -70,6 +76,7 @@ def _hourly(
     quantities: SpectralQuantities,
     rows: Int[np.ndarray, " eye"],
     states: States,
+    lamps: Float[np.ndarray, "band eye time"] | None,
 ) -> xr.Dataset:
     matrices, steps = signals.matrices, len(signals.times)
     product = BlockwiseProduct(
@@ -82,6 +89,12 @@ def _hourly(
         summed=True,
     )
     held: dict[str, np.ndarray] = {}
+    if lamps is not None:
+        lamps = np.tensordot(quantities.weights(), lamps, axes=1)
+        held = {
+            f"total_{name}": values.astype(np.float32)
+            for name, values in quantities.values(lamps).items()
+        }
     for block in product.blocks():
         inside = (rows >= block.rows.start) & (rows < block.rows.stop)
         if inside.any() and len(block.steps):
@@ -94,6 +107,7 @@ def _hourly(
                 quantities,
                 times=block.times.start + block.steps,
                 shape=(len(rows), steps),
+                lamps=lamps,
             )
     return xr.Dataset({name: _variable(name, x) for name, x in held.items()})
 
@@ -107,6 +121,7 @@ def _put(
     *,
     times: Int[np.ndarray, " step"],
     shape: tuple[int, int],
+    lamps: Products | None,
 ) -> None:
     # Quantities of the eyes in a block, and their errors
     weights = quantities.weights()
@@ -115,17 +130,31 @@ def _put(
     values, errors = quantities.values(light), quantities.errors(light, parts)
     of_receptors = weights[: len(quantities.receptors)]
     errors = {**errors, "edi": _edi_error(block, inside, of_receptors)}
-    for ending, found in (("", values), ("_error", errors)):
-        for name, one in found.items():
-            whole = held.setdefault(
-                name + ending,
-                np.full(
-                    (*one.shape[:-2], *shape),
-                    0.0 if name == "edi" else np.nan,  # no light in the dark
-                    np.float32,
-                ),
-            )
-            whole[..., eyes[:, None], times] = one
+    shown = {**values, **{f"{name}_error": one for name, one in errors.items()}}
+    if lamps is not None:
+        both = quantities.values(light + lamps[:, eyes[:, None], times])
+        shown |= {f"total_{name}": one for name, one in both.items()}
+    for name, one in shown.items():
+        whole = held.setdefault(
+            name,
+            np.full(
+                (*one.shape[:-2], *shape),
+                0.0 if name.startswith("edi") else np.nan,  # no light in the dark
+                np.float32,
+            ),
+        )
+        whole[..., eyes[:, None], times] = one
+
+
+def _of_lamps(
+    signals: ControlInputs, rows: Int[np.ndarray, " eye"], electric: xr.Dataset
+) -> Float[np.ndarray, "band eye time"] | None:
+    # Electric light in bands; None without luminaires with spectra
+    if signals.lamps is None or signals.lamps.spectra is None:
+        return None
+    full = signals.lamps.spectra[:, :, rows]
+    output = electric["dimming"].values
+    return np.asarray(np.einsum("zbe,zt->bet", full, output))
 
 
 def _edi_error(
@@ -156,9 +185,11 @@ def _components(
 def _variable(
     name: str, values: np.ndarray
 ) -> tuple[Sequence[str], np.ndarray, dict[str, str]]:
-    stem = name.removesuffix("_error")
+    stem = name.removesuffix("_error").removeprefix("total_")
     axes = ("photoreceptor", "eye", "time")[-values.ndim :]
     words = _NAMES[stem]
-    if name != stem:
+    if name.startswith("total_"):
+        words = f"{words} with electric light"
+    if name.endswith("_error"):
         words = f"standard error of the {words}"
     return axes, values, {"units": _UNITS.get(stem, "1"), "long_name": words}

@@ -45,7 +45,8 @@ class Lamps:
     """Illuminance and pixel radiance due to each lighting zone at full output.
 
     `views` has the radiance (pixel, channel) due to each zone, by view name.
-    `melanopic` is the melanopic EDI; None unless all luminaires have spectra.
+    `melanopic` is the melanopic EDI, and `spectra` the irradiance in bands; None unless
+    all luminaires have spectra.
     """
 
     zones: tuple[Zone, ...] = ()
@@ -54,6 +55,7 @@ class Lamps:
     )
     views: dict[str, tuple[np.ndarray, ...]] = field(default_factory=dict)
     melanopic: Float[np.ndarray, "zone sensor"] | None = None
+    spectra: Float[np.ndarray, "zone band sensor"] | None = None
 
 
 def trace_lamps(job: Job) -> Lamps:
@@ -64,18 +66,19 @@ def trace_lamps(job: Job) -> Lamps:
     room = unlit(job.scene)
     light = [_sensors(job, room, zone, n) for n, zone in enumerate(zones)]
     lux = np.stack([_weighted(one, one.bands.weights) for one in light])
-    melanopic, bands = None, room.bands
-    spectra = all(lamp.spectrum is not None for lamp in job.study.luminaire)
-    if spectra and gives(bands, "melanopic"):
+    melanopic, spectra, bands = None, None, room.bands
+    spectral = all(lamp.spectrum is not None for lamp in job.study.luminaire)
+    if spectral and gives(bands, "melanopic"):
         weights = edi_weights(bands, "melanopic")
         melanopic = np.stack([_weighted(one, weights) for one in light])
+        spectra = np.stack([_in_bands(one) for one in light])
     views = {
         table.label: tuple(
             _pixels(job, room, zone, n, view) for n, zone in enumerate(zones)
         )
         for view, table in enumerate(job.study.view)
     }
-    return Lamps(zones, lux, views, melanopic)
+    return Lamps(zones, lux, views, melanopic, spectra)
 
 
 def unlit(scene: Scene) -> Scene:
@@ -161,6 +164,12 @@ def _weighted(
     light: TransferMatrix, weights: Float[np.ndarray, " band"]
 ) -> Float[np.ndarray, " sensor"]:
     return np.asarray(light.weighted(weights).values[0, :, 0])
+
+
+def _in_bands(light: TransferMatrix) -> Float[np.ndarray, "band sensor"]:
+    # A grey room has one channel for all bands
+    values = light.values[:, :, 0]
+    return np.broadcast_to(values, (len(light.bands), values.shape[1]))
 
 
 def _sensor_matrix(scene: Scene, sensors: Sensors, **how: Any) -> TransferMatrix:

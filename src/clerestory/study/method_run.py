@@ -181,7 +181,8 @@ def _simulate(
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
         parts += _melanopic(matrices, signals, acts.states, electric)
         parts.append(sensitivity_results(signals, acts.states, hourly))
-        parts.append(light_spectra(signals, acts.states, hourly["illuminance"]))
+        lux = hourly["illuminance"]
+        parts.append(light_spectra(signals, acts.states, lux, electric))
         parts.append(results_by_state(signals))
         if signals.building is not None:
             parts.append(signals.building.results())

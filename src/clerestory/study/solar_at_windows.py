@@ -4,15 +4,18 @@
 
 S_sky is the radiance of sky and ground, S_ds that of the sun, D − D_d scatters sunlight
 at surfaces outdoors. Unscattered sunlight, E_sun, has the direction of the sun, and the
-share of the window that the sun sees.
+share of the window that the sun sees. Where it is between the outermost ring of patches
+and grazing incidence, an increasing part is reflected instead of belonging to patches.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Series
+from clerestory.brief_repr import brief
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.patch_interpolation import patch_weights
@@ -31,10 +34,32 @@ from clerestory.study.study_tracing import window_daylight
 _POINTS, _DISTANCE = 256, 1e-3
 
 
+@dataclass(frozen=True, eq=False)
+class IncidentRadiation:
+    """Solar radiation on a window group over time [W/m²].
+
+    Attributes
+    ----------
+    patches : radiation by incident patch, of which the window transmits, absorbs and
+        reflects what it does of light in the centres of the patches
+    grazing : further radiation near grazing incidence, of which it reflects all
+    """
+
+    patches: Float[np.ndarray, "patch time"]
+    grazing: Series
+
+    __repr__ = brief
+
+    @property
+    def irradiance(self) -> Series:
+        """Irradiance of the window [W/m²]."""
+        return np.asarray(self.patches.sum(axis=0) + self.grazing)
+
+
 def incident_radiation(
     job: Job, number: int, partition: RingPartition
-) -> Float[np.ndarray, "patch time"]:
-    """Return the solar radiation on a window group by incident patch [W/m²].
+) -> IncidentRadiation:
+    """Return the solar radiation on a window group.
 
     Parameters
     ----------
@@ -64,7 +89,9 @@ def incident_radiation(
     found = flux
     if not outer.matches(partition):
         found = patch_weights(partition, outer.centres()) @ flux
-    return np.asarray(found + sunlight(job, number, partition))
+    unscattered = sunlight(job, number, partition)
+    grazing = flux.sum(axis=0) - found.sum(axis=0) + unscattered.grazing
+    return IncidentRadiation(found + unscattered.patches, grazing)
 
 
 def _radiance(
@@ -77,10 +104,8 @@ def _radiance(
     return np.asarray(lux / LUMINOUS_EFFICACY)
 
 
-def sunlight(
-    job: Job, number: int, partition: RingPartition
-) -> Float[np.ndarray, "patch time"]:
-    """Return the radiation of the unscattered sun, interpolated to patches [W/m²]."""
+def sunlight(job: Job, number: int, partition: RingPartition) -> IncidentRadiation:
+    """Return the radiation of the unscattered sun, interpolated to patches."""
     group, weather = job.inputs.groups[number], job.inputs.weather
     rotation = job.study.sky.rotation_deg
     suns = sun_over(weather, rotation_deg=rotation).directions()
@@ -89,13 +114,15 @@ def sunlight(
     steps = np.flatnonzero(
         (cosine > 0) & (suns[:, 2] > 0) & (weather.direct_normal > 0)
     )
-    found = np.zeros((len(partition), len(suns)))
+    found, grazing = np.zeros((len(partition), len(suns))), np.zeros(len(suns))
     if not len(steps):
-        return found
+        return IncidentRadiation(found, grazing)
     points = spread_points(group.outer.polygons, _POINTS) - _DISTANCE * frame.normal
     seen = sun_visible(job.scene, points, suns[steps], device=job.device).mean(axis=0)
     axes = np.array([frame.right, frame.up, frame.normal])
     travel = -suns[steps] @ axes.T
     level = weather.direct_normal[steps] * cosine[steps] * seen
-    found[:, steps] = patch_weights(partition, travel) * level
-    return found
+    weights = patch_weights(partition, travel)
+    found[:, steps] = weights * level
+    grazing[steps] = (1 - weights.sum(axis=0)) * level
+    return IncidentRadiation(found, grazing)

@@ -20,12 +20,18 @@ _COLOUR = (
     ("colour_rendering_error", "Ra standard error", 2),
     ("colour_rendering_red", "R9", 1),
 )
+_TOTAL = (
+    ("total_colour_temperature", "CCT with electric light [K]", 0),
+    ("total_duv", "Duv with electric light", 5),
+    ("total_colour_rendering", "Ra with electric light", 1),
+)
 
 
 def write_spectra(results: Results, path: str | Path) -> None:
     """Write illuminance, α-opic EDI, EML, CCT, Duv and colour rendering of each eye.
 
-    Time steps without light have no line; undefined values are empty.
+    Luminaires with spectra add columns with electric light. Time steps without light
+    have no line; undefined values are empty.
     """
     data = results.data
     receptors = data["photoreceptor"].values.tolist()
@@ -33,6 +39,9 @@ def write_spectra(results: Results, path: str | Path) -> None:
     heads += [f"{name.replace('_', '-')} EDI [lux]" for name in receptors]
     heads += ["melanopic EDI standard error [lux]", "EML [lux]"]
     heads += [heading for name, heading, _ in _COLOUR if name in data]
+    if "total_edi" in data:
+        heads.append("melanopic EDI with electric light [lux]")
+        heads += [heading for name, heading, _ in _TOTAL if name in data]
     with replace_file(path) as stream:
         stream.write(f"{csv_line(heads)}\n".encode())
         stream.writelines(f"{line}\n".encode() for line in _lines(data))
@@ -49,7 +58,13 @@ def _lines(data: xr.Dataset) -> Iterator[str]:
         columns.append(EML_PER_EDI * edi[melanopic])
         shown = [(column, 1) for column in columns]
         shown += [(part[n].values, d) for n, _, d in _COLOUR if n in part]
-        for step in np.flatnonzero(columns[0] > 0).tolist():
+        lit = columns[0] > 0
+        if "total_edi" in part:
+            total = part["total_edi"].values[melanopic]
+            lit = lit | (total > 0)
+            shown.append((total, 1))
+            shown += [(part[n].values, d) for n, _, d in _TOTAL if n in part]
+        for step in np.flatnonzero(lit).tolist():
             cells = [_cell(float(column[step]), digits) for column, digits in shown]
             yield csv_line([eye, stamps[step].replace("T", " "), *cells])
 

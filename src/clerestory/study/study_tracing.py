@@ -187,15 +187,10 @@ def differentiated_matrices(job: Job, names: Sequence[str]) -> list[WindowMatric
 
     Raises
     ------
-    InputError : an exterior shade in ports, or derivatives that do not fit into memory
+    InputError : no such material, or derivatives that do not fit into memory
     """
-    study = job.study
-    if METHODS[study.method].facade:
-        raise InputError(
-            f'derivatives with method "{study.method}"; a method without ports expected'
-        )
     job = replace(job, derivatives=tuple(names))
-    if not METHODS[study.method].windows:
+    if not METHODS[job.study.method].windows:
         return coefficients(job, direct=False)
     return [WindowMatrices(chain) for chain in _window_chains(job, stored=False)]
 
@@ -284,7 +279,13 @@ def _port_daylight(
     return job.matrices(
         f"daylight-{group.name}",
         group.ports,
-        partial(daylight_matrices, job.scene, group.ports, subdivision=subdivision),
+        partial(
+            daylight_matrices,
+            job.scene,
+            group.ports,
+            subdivision=subdivision,
+            **job.differentiated,
+        ),
         _outside_effort(job, PORTS + STATE * number),
         shown=f"daylight matrices of the ports of {group.name}",
     )
@@ -299,7 +300,7 @@ def _facade(
     return job.matrices(
         f"facade-{label}",
         group.ports,
-        partial(facade_matrices, scene, group.outer, group.ports),
+        partial(facade_matrices, scene, group.outer, group.ports, **job.differentiated),
         _outside_effort(job, FACADE + number + STATE * at),
         shown=f"façade matrices of {label}",
     )

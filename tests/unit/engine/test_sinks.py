@@ -33,6 +33,30 @@ def test_weights_in_range_are_added(sinks):
     assert second / sinks.FIXED_POINT == pytest.approx(0.700001, rel=1e-7)
 
 
+@pytest.mark.parametrize("channels", [1, 3, 7, 8, 9, 20, 81])
+def test_sums_of_many_paths_are_exact(sinks, channels):
+    """Single sums, and packets of eight, of which some are unused."""
+    import mitsuba as mi
+
+    random = np.random.default_rng(channels)
+    paths, columns, places = 5000, 7, 21
+    slot, column = random.integers(0, 3, paths), random.integers(0, columns, paths)
+    weight = random.integers(0, 1 << 20, (channels, paths)) / (1 << 20)
+    kept = random.random(paths) < 0.8
+    weight[0, :10], kept[:10] = 5000.0, True  # out of range
+    sums = sinks.empty_sums(places, channels)
+    sink = sinks.MatrixSink(sums, columns, channels, mi.UInt32(slot))
+    value = [mi.Float(one.astype(np.float32)) for one in weight]
+    sink.add(None, mi.UInt32(column), value, mi.Bool(kept))
+    found = sink.sums.numpy()
+    assert found[0] == 10
+    kept[:10] = False
+    expected = np.zeros((places, channels))
+    np.add.at(expected, (slot * columns + column)[kept], weight.T[kept])
+    sums = sinks.by_place(found, places, channels) / sinks.FIXED_POINT
+    np.testing.assert_array_equal(sums, expected)
+
+
 def test_a_cell_without_probabilities_samples_no_portal():
     """Its density is zero for every direction: no direction may be drawn from it."""
     portals = load("cpu", "portals")

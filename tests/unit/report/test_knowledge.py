@@ -1,5 +1,7 @@
 """Section on what is not known: a linear Gaussian case with known shares."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -45,6 +47,7 @@ def results(room):
             "unknown_deviation": ("unknown", [0.05, 0.05]),
             "unknown_low": ("unknown", [0.72, 0.22]),
             "unknown_high": ("unknown", [0.88, 0.38]),
+            "unknown_kind": ("unknown", np.array(["dirt", "reflectance"])),
             "unknown_shape": ("unknown", np.array(["normal", "uniform"])),
             "first_index": ((axis, "unknown_group"), np.tile([0.64, 0.36], (5, 1))),
             "total_index": ((axis, "unknown_group"), np.tile([0.64, 0.36], (5, 1))),
@@ -101,9 +104,16 @@ def test_the_key_figures_show_both_errors(results):
 
 def test_the_section_tells_what_to_measure_first(section):
     words = section.text_content()
-    assert "Most of this comes from glass (64 %)" in words
+    assert "The largest part comes from glass (64 %)" in words
     assert "measure that first" in words
-    assert "shares add up to 100 %" in words
+    assert "their shares, to about 100 %" in words
+    assert re.search(r"between [\d.]+ and [\d.]+ %", words)
+
+
+def test_the_section_tells_what_each_quantity_is(section):
+    words = section.text_content()
+    assert "share of the light that dirt lets pass" in words
+    assert "share of the light that it reflects" in words
 
 
 def test_probabilities_and_failed_checks_are_shown(results, section):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
@@ -233,13 +234,17 @@ def test_a_limit_of_glare_dims_the_window(tmp_path):
 
 @pytest.mark.slow
 def test_glare_of_designs_is_that_of_their_full_runs(tmp_path):
-    """Within one of the 32 steps with daylight; reflectances and no window share."""
+    """Only hours whose DGP is within 0.005 of the limit may count differently."""
     goals = GREY + f'[[optimise.goal]]\nfigure = "{GLARE}"\n'
     file = shaded_study(tmp_path / "room", VIEW + goals)
     found = optimise_study(read_variants(file), out=tmp_path / "out")
-    for design, run in zip(found.designs, found.runs[1:], strict=True):
-        key = GLARE, "chair"
-        assert run.of(key).value == pytest.approx(design.figures[key], abs=100 / 32)
+    for number, design in enumerate(found.designs, 1):
+        data = xr.open_dataset(tmp_path / "out" / f"design {number}" / "results.nc")
+        dgp = data["glare_dgp"].values[0][data["occupied"].values.astype(bool)]
+        least, most = (100 * np.mean(dgp > 0.40 + d) for d in (0.005, -0.005))
+        assert least - 1e-9 <= design.figures[GLARE, "chair"] <= most + 1e-9
+        # Few hours are that near, so that this says something
+        assert most - least <= 15
 
 
 def test_glare_without_a_view_is_refused(tmp_path):
