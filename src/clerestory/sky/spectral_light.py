@@ -203,7 +203,7 @@ def _chromatic_radiance(
     lumen = MAXIMUM_EFFICACY * integral(_component(0) * spectral_function("y"))
     least, most = (1e6 / kelvin for kelvin in reversed(DAYLIGHT_K))
     known = daylight_components(1e6 / np.linspace(least, most, _ENTRIES))[1:]
-    table = np.float32(shares_of_components @ (lumen * known))
+    table = (shares_of_components @ (lumen * known)).astype(np.float32)
     per_mired = (_ENTRIES - 1) / (most - least)
     area = sky.partition.dome.projected_solid_angles()
     rest = sun.values() - main[:, None]
@@ -217,7 +217,7 @@ def _chromatic_radiance(
         kelvin = sky_colour_temperature(
             LUMINOUS_EFFICACY * dome, conditions.state.clearness[steps], model.sky
         )
-        place = np.int32((1e6 / kelvin - least) * per_mired + 0.5)
+        place = ((1e6 / kelvin - least) * per_mired + 0.5).astype(np.int32)
         whole = np.maximum(area @ dome, np.finfo(np.float32).tiny)
         share = direct[steps] / level[steps]
         for part, values, own in zip(found, table, of_sun[:, steps], strict=True):
