@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Literal, final
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from clerestory.argument_types import checked_fields
 from clerestory.array_types import Series
@@ -136,25 +136,29 @@ def sun_spectra(
 ) -> Float[np.ndarray, "time wavelength"]:
     """Direct spectral irradiance at `WAVELENGTH_NM`, per lux of direct illuminance.
 
-    The unit is W/(m²·nm·lux). Below the horizon the sun is taken at the horizon.
+    The unit is W/(m²·nm·lux). Without direct light it is the spectrum of D65.
     """
+    lit = conditions.direct_normal > 0
     if model.measured_sun is not None:
-        found = model.measured_sun.at(weather.times, conditions.direct_normal > 0)
-    elif model.sun == "d65":
-        found = np.tile(spectral_function("d65"), (len(weather), 1))
+        found = model.measured_sun.at(weather.times, lit)
     else:
-        found = _spectrl2(weather, conditions, model)
+        found = np.tile(spectral_function("d65"), (len(weather), 1))
+        if model.sun == "spectrl2" and lit.any():
+            found[lit] = _spectrl2(weather, conditions, model, lit)
     lux = MAXIMUM_EFFICACY * integral(found * spectral_function("y"))
     return np.asarray(found / lux[:, None])
 
 
 def _spectrl2(
-    weather: Weather, conditions: SkyConditions, model: DaylightSpectra
-) -> Float[np.ndarray, "time wavelength"]:
+    weather: Weather,
+    conditions: SkyConditions,
+    model: DaylightSpectra,
+    lit: Bool[np.ndarray, " time"],
+) -> Float[np.ndarray, "lit wavelength"]:
     # Imported here, since pvlib loads slowly
     atmosphere = importlib.import_module("pvlib.atmosphere")
     spectrum = importlib.import_module("pvlib.spectrum")
-    zenith = np.clip(90 - np.degrees(conditions.sun.altitude), 0, 90)
+    zenith = np.clip(90 - np.degrees(conditions.sun.altitude[lit]), 0, 90)
     spectra = spectrum.spectrl2(
         apparent_zenith=zenith,
         aoi=zenith,
@@ -162,10 +166,10 @@ def _spectrl2(
         ground_albedo=0.2,
         surface_pressure=atmosphere.alt2pres(weather.elevation),
         relative_airmass=atmosphere.get_relative_airmass(zenith, "kastenyoung1989"),
-        precipitable_water=precipitable_water_cm(conditions.dew_point_c),
+        precipitable_water=precipitable_water_cm(conditions.dew_point_c)[lit],
         ozone=model.ozone_cm,
         aerosol_turbidity_500nm=model.aerosol_optical_depth,
-        dayofyear=day_of_year(weather.times),
+        dayofyear=day_of_year(weather.times)[lit],
     )
     known, direct = spectra["wavelength"], np.nan_to_num(spectra["dni"])
     return np.asarray(direct.T @ interpolation_matrix(known, WAVELENGTH_NM).T)

@@ -24,7 +24,7 @@ from clerestory.sky.patch_radiance import ChromaticPart, SkyMatrix
 from clerestory.sky.sky_conditions import SkyConditions
 from clerestory.sky.weather import Weather
 from clerestory.spectral.band_sets import light_in_bands
-from clerestory.spectral.colour_temperature import daylight_components
+from clerestory.spectral.colour_temperature import DAYLIGHT_K, daylight_components
 from clerestory.spectral.functions import (
     MAXIMUM_EFFICACY,
     integral,
@@ -34,6 +34,9 @@ from clerestory.spectral.light_colours import light_colour
 
 # Number of time steps that are computed at once
 _STEPS = 512
+
+# Number of entries in the table of daylight by reciprocal colour temperature
+_ENTRIES = 1 << 18
 
 # Largest deviation of the sun's colour from the sum of its parts, relative to white
 # light, times the square root of the irradiance relative to that of the brightest sun
@@ -100,15 +103,18 @@ def with_spectra(
         spectra = model.measured_sky.at(sky.times, conditions.lit)
         return _with_one_colour(sky, conditions, model, spectra, sun)
     main, *others = _daylight_colours(sky.bands)
+    colours, shares_of_components = _independent(np.array(others))
     ground = _ground(sky)
-    diffuse = _chromatic_radiance(sky, conditions, model, np.array(others), main, sun)
+    diffuse = _chromatic_radiance(
+        sky, conditions, model, colours, shares_of_components, main=main, sun=sun
+    )
     white = np.broadcast_to(np.float32(0), sky.diffuse.shape)
     dark = np.zeros(len(sky.bands)), np.zeros(len(sky.times))
     parts = []
-    for number in range(max(len(others), len(sun.colours))):
-        in_sky, in_sun = number < len(others), number < len(sun.colours)
+    for number in range(max(len(colours), len(sun.colours))):
+        in_sky, in_sun = number < len(colours), number < len(sun.colours)
         tint, shares = (sun.colours[number], sun.shares[number]) if in_sun else dark
-        colour = others[number] if in_sky else dark[0]
+        colour = colours[number] if in_sky else dark[0]
         parts.append(
             ChromaticPart(
                 diffuse[number] if in_sky else white,
@@ -158,6 +164,16 @@ def _with_one_colour(
     )
 
 
+def _independent(
+    colours: Float[np.ndarray, "component band"],
+) -> tuple[Float[np.ndarray, "part band"], Float[np.ndarray, "part component"]]:
+    # As many colours as the bands distinguish, and the shares of the given ones in
+    # them: without luminance, two bands have one colour
+    left, size, right = np.linalg.svd(colours, full_matrices=False)
+    count = max(1, int((size > 1e-9 * size[0]).sum()))
+    return right[:count], (left[:, :count] * size[:count]).T
+
+
 def _ground(sky: SkyMatrix) -> Float[np.ndarray, "band patch"]:
     # Reflectance of the ground in each band, and 1 for the patches of the sky
     found = np.ones(sky.colour.shape)
@@ -177,12 +193,18 @@ def _chromatic_radiance(
     conditions: SkyConditions,
     model: DaylightSpectra,
     colours: Float[np.ndarray, "part band"],
+    shares_of_components: Float[np.ndarray, "part component"],
+    *,
     main: Float[np.ndarray, " band"],
     sun: LightColours,
 ) -> list[Float32[np.ndarray, "patch time"]]:
     # Radiance of sky and ground in the colours of daylight without luminance
     found = [np.zeros_like(sky.diffuse) for _ in colours]
     lumen = MAXIMUM_EFFICACY * integral(_component(0) * spectral_function("y"))
+    least, most = (1e6 / kelvin for kelvin in reversed(DAYLIGHT_K))
+    known = daylight_components(1e6 / np.linspace(least, most, _ENTRIES))[1:]
+    table = (shares_of_components @ (lumen * known)).astype(np.float32)
+    per_mired = (_ENTRIES - 1) / (most - least)
     area = sky.partition.dome.projected_solid_angles()
     rest = sun.values() - main[:, None]
     of_sun = np.linalg.lstsq(colours.T, rest, rcond=None)[0]
@@ -195,10 +217,11 @@ def _chromatic_radiance(
         kelvin = sky_colour_temperature(
             LUMINOUS_EFFICACY * dome, conditions.state.clearness[steps], model.sky
         )
-        above = dome * daylight_components(kelvin)[1:] * lumen
+        place = ((1e6 / kelvin - least) * per_mired + 0.5).astype(np.int32)
         whole = np.maximum(area @ dome, np.finfo(np.float32).tiny)
         share = direct[steps] / level[steps]
-        for part, radiance, own in zip(found, above, of_sun[:, steps], strict=True):
+        for part, values, own in zip(found, table, of_sun[:, steps], strict=True):
+            radiance = dome * values[place]
             part[1:, steps] = radiance
             mean = (area @ radiance) / whole
             part[0, steps] = sky.diffuse[0, steps] * (mean * (1 - share) + own * share)
