@@ -1,5 +1,11 @@
-"""Time for products of matrices and skies, from rates measured on one core."""
+"""Time for products of matrices and skies, from rates measured on one core.
 
+The rates are processor time of one core, measured on 2026-11-23 on a shared x86-64
+server (two cores of an AMD EPYC; NumPy with OpenBLAS). `machine_factor` gives the time
+on this machine in units of the time on that server.
+"""
+
+import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -20,6 +26,22 @@ _SKY, _WINDOW, _COPY, _VALUE = 5e-11, 7e-10, 3e-9, 2e-9
 
 # Seconds per recorded path and time step: pixels in sunlight, in one band
 _PATH = 2e-9
+
+
+# Rows of the square matrices whose product is timed, number of products, and seconds
+# per multiply-add on the server
+_ROWS, _REPEATS, _SERVER = 512, 5, 4.1e-11
+
+
+def machine_factor() -> float:
+    """Return the processor time of this machine for what took 1 s on the server."""
+    one = np.full((_ROWS, _ROWS), 0.5, dtype=np.float32)
+    spent = []
+    for _ in range(_REPEATS):
+        start = time.process_time()
+        _ = one @ one
+        spent.append(time.process_time() - start)
+    return min(spent) / (_SERVER * _ROWS**3)
 
 
 def product_seconds(

@@ -1,8 +1,8 @@
 """Time and files of the stages of a run after tracing, from measured rates.
 
-The rates are processor time of one core, measured on 2026-11-23 on a shared x86-64
-server (two cores of an AMD EPYC; NumPy with OpenBLAS). Tracing is measured by pilot
-runs instead (`engine.cost_estimate`); reading, checks and sky matrices are executed.
+The rates are those of the server of `study.product_costs`, scaled by the speed of this
+machine. Tracing is measured by pilot runs instead (`engine.cost_estimate`); reading,
+checks and sky matrices are executed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ from clerestory.phases.matrix_equation import (
 from clerestory.study.annual_views import picture_steps, sees_glare
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
-from clerestory.study.product_costs import product_seconds
+from clerestory.study.product_costs import machine_factor, product_seconds
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import needs_direct
 from clerestory.study.view_grid_points import USUAL_LEVEL
@@ -109,6 +109,11 @@ class StageWork:
             "compliance": self._compliance(hours),
             "uncertainty": self._uncertainty(sensors),
             "write": self._tables(sensors, steps),
+        }
+        factor = machine_factor()
+        stages = {
+            name: replace(cost, seconds=factor * cost.seconds)
+            for name, cost in stages.items()
         }
         for name in stages.keys() & known.keys():
             stages[name] = replace(stages[name], seconds=known[name])
