@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Most pictures that are evaluated together, and most pixels of them
-_TOGETHER, _PIXELS = 16, 1 << 22
+_TOGETHER, _PIXELS = 16, 1 << 21
 
 _UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
 _UNITS |= {f"{name}_error": unit for name, unit in _UNITS.items()}
