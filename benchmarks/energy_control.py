@@ -32,7 +32,8 @@ from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.shade_operation import operate
-from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.study_skies import study_skies
+from clerestory.study.study_tracing import trace_study
 
 LIMIT = 0.40
 RULES = {

@@ -14,7 +14,7 @@ from clerestory.comparison.calibration_run import calibrate_study
 from clerestory.comparison.series_comparison import Rules
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
-from clerestory.study.study_tracing import study_skies
+from clerestory.study.study_skies import study_skies
 from uncertain_room import MATERIALS, scene_text, sensor_text, unknown, write_room
 
 REPEATS, DEVIATION = 20, 0.08

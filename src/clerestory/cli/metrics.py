@@ -1,24 +1,25 @@
 """`clerestory metrics`: daylight metrics of a run or of a honeybee results folder."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from clerestory.checks import require
+from clerestory.cli.metrics_input import (
+    HOURS_A_YEAR,
+    HourlyGrid,
+    brightest_half,
+    hourly_grids,
+)
 from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Metrics
-from clerestory.control.lm83_blinds import operate_by_direct_sun
-from clerestory.control.schedule import read_schedule
 from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
-from clerestory.metrics import en17037, honeybee, honeybee_writer
+from clerestory.metrics import en17037, honeybee_writer
 from clerestory.metrics.compliance import assess
 from clerestory.metrics.leed import Version, points_error, simulated_daylight
-from clerestory.metrics.lm83_conditions import departures
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.replicates import (
     error_of_group_mean,
@@ -27,7 +28,6 @@ from clerestory.metrics.replicates import (
     metric_error,
 )
 from clerestory.metrics.sensor_metrics import sensor_metrics
-from clerestory.metrics.space import direct_sun
 from clerestory.metrics.spatial_metrics import (
     RoomShare,
     hours_above,
@@ -41,38 +41,21 @@ from clerestory.report.compliance_words import (
     provision_words,
 )
 from clerestory.report.uncertain_value import Figure
-from clerestory.sky.weather_formats import read_weather
 from clerestory.study.compliance_table import assessments_of
 from clerestory.study.results import read_results
-
-_HOURS_A_YEAR = 8760
-
-
-@dataclass(frozen=True, eq=False)
-class _Grid:
-    # Illuminance of one grid, and direct-sun illuminance [lux], with errors if known
-    name: str
-    hourly: xr.Dataset
-    sun: xr.Dataset | None
-    step_hours: float = 1.0
-    departures: tuple[str, ...] = ()  # from LM-83
-
-    @property
-    def lux(self) -> xr.DataArray:
-        return self.hourly["illuminance"]
 
 
 def metrics(request: Metrics) -> None:
     """Print daylight metrics of each grid; write metrics per sensor to a CSV file."""
     results, names, quiet = request.results, request.grid or [], request.quiet
-    found = _grids(request)
+    found = hourly_grids(request)
     grids = [grid for grid in found if not names or grid.name in names]
     require(grids, f"no grid called {' or '.join(names)} in the results", file=results)
     times = grids[0].lux["time"].values
     hours = occupied_hours(times, from_hour=request.from_hour, to_hour=request.to_hour)
     half = None
     if request.weather is not None:
-        half = _brightest_half(request.weather, grids[0].lux)
+        half = brightest_half(request.weather, grids[0].lux)
     rows: list[str] = []
     for grid in grids:
         message = f"illuminances of grid {grid.name!r} are not finite"
@@ -111,41 +94,6 @@ _HEAD = (
 )
 
 
-def _grids(request: Metrics) -> Iterator[_Grid]:
-    path, states, operate = request.results, request.states, request.operate
-    if path.is_dir() and (path / "grids_info.json").is_file():
-        folder = honeybee.read_honeybee(path)
-        for name in folder.paths:
-            chosen = _operated(folder, name) if operate else _scheduled(states)
-            lux = folder.illuminance(name, states=chosen)
-            direct = folder.illuminance(name, light="direct")
-            hourly, sun = (xr.Dataset({"illuminance": x}) for x in (lux, direct))
-            odd = departures(
-                hourly, from_hour=request.from_hour, to_hour=request.to_hour
-            )
-            fixed = folder.dynamic_paths(name) and not operate
-            shades = ["shades that do not follow LM-83; --lm83 expected"]
-            departed = (*odd, *(shades if fixed else []))
-            yield _Grid(name, hourly, sun, departures=departed)
-        return
-    require(
-        states is None and not operate,
-        "--states or --lm83 is given with the results of a run; a honeybee results"
-        " folder expected",
-        file=path,
-    )
-    found = read_results(path)
-    for name in found.grids():
-        part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
-        # ASE requires the sun at its exact position, not spread over patches
-        exposed = direct_sun(part) if "sun_hours" in part else None
-        step = float(found.data.attrs.get("step_minutes", 60)) / 60
-        departed = departures(
-            part, from_hour=request.from_hour, to_hour=request.to_hour
-        )
-        yield _Grid(name, part, exposed, step, departed)
-
-
 def _room_and_views(request: Metrics) -> Iterator[str]:
     # Lines of text: sunlight exposure of the room, and glare of each view
     path = request.results
@@ -172,7 +120,7 @@ def _room_and_views(request: Metrics) -> Iterator[str]:
         yield f"  {'EN 17037 glare':28}{level} (DGP {top:.2f} in 5 % of the hours)"
 
 
-def _standards(request: Metrics, grids: list[_Grid]) -> Iterator[str]:
+def _standards(request: Metrics, grids: list[HourlyGrid]) -> Iterator[str]:
     # Assessments of the chosen standards, by default those of the run
     standards = standards_named(request.standard or [])
     path = request.results
@@ -185,7 +133,7 @@ def _standards(request: Metrics, grids: list[_Grid]) -> Iterator[str]:
     yield from assessment_lines(found)
 
 
-def _as_results(grids: list[_Grid]) -> xr.Dataset:
+def _as_results(grids: list[HourlyGrid]) -> xr.Dataset:
     # Grids of a honeybee folder as results of a run
     total = [grid.hourly["illuminance"] for grid in grids]
     sun = [grid.sun["illuminance"] for grid in grids if grid.sun is not None]
@@ -201,43 +149,8 @@ def _as_results(grids: list[_Grid]) -> xr.Dataset:
     return data
 
 
-def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
-    if path is None:
-        return {}
-    schedule = read_schedule(path)
-    require(
-        len(schedule.times) == _HOURS_A_YEAR,
-        f"has {len(schedule.times)} time steps; {_HOURS_A_YEAR} hourly steps expected",
-        file=path,
-    )
-    return dict(schedule.states)
-
-
-def _operated(folder: honeybee.HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
-    # Shade states by LM-83; window groups without shade states are unshaded
-    groups = folder.dynamic_paths(name)
-    if not groups:
-        return {}
-    fixed = [path for path in folder.paths[name] if path not in groups]
-    static = sum(folder.by_state(name, path, light="direct")[0] for path in fixed)
-    direct = {path: folder.by_state(name, path, light="direct") for path in groups}
-    given = static if isinstance(static, np.ndarray) else None
-    return operate_by_direct_sun(direct, static=given).states
-
-
-def _brightest_half(path: Path, lux: xr.DataArray) -> np.ndarray:
-    diffuse = read_weather(path).diffuse_horizontal
-    require(
-        len(diffuse) == lux.sizes["time"],
-        f"has {len(diffuse)} time steps, but the results have {lux.sizes['time']}; the"
-        " weather file of the run expected",
-        file=path,
-    )
-    return en17037.daylight_hours(diffuse)
-
-
 def _room(
-    grid: _Grid, hours: np.ndarray, half: np.ndarray | None, request: Metrics
+    grid: HourlyGrid, hours: np.ndarray, half: np.ndarray | None, request: Metrics
 ) -> Iterator[str]:
     target, leed = request.target, request.leed
     means = sensor_metrics(grid.hourly, hours, target_lux=target)
@@ -257,7 +170,7 @@ def _room(
 
 
 def _exposed_area(
-    grid: _Grid, hours: np.ndarray, reached: RoomShare, leed: Version
+    grid: HourlyGrid, hours: np.ndarray, reached: RoomShare, leed: Version
 ) -> Iterator[str]:
     # Annual sunlight exposure, and LEED points with the given sDA
     if grid.sun is None:
@@ -284,14 +197,14 @@ def _exposure(lux: xr.DataArray) -> float:
     return float(climate.light_exposure(lux, every).mean())
 
 
-def _part_of_year(grid: _Grid) -> str:
+def _part_of_year(grid: HourlyGrid) -> str:
     # Note if results cover less than the year for which the ASE limit is defined
     hours = grid.lux.sizes["time"] * grid.step_hours
-    short = hours < _HOURS_A_YEAR - 24
+    short = hours < HOURS_A_YEAR - 24
     return f" (of {hours / 24:.0f} days only)" if short else ""
 
 
-def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
+def _sensors(grid: HourlyGrid, hours: np.ndarray, target: float) -> Iterator[str]:
     shares = [
         climate.daylight_autonomy(grid.lux, hours, target_lux=target).values,
         climate.continuous_autonomy(grid.lux, hours, target_lux=target).values,

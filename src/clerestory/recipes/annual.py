@@ -36,7 +36,8 @@ from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.model_import import write_building_model
 from clerestory.study.study_matrices import StudyMatrices
-from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.study_skies import study_skies
+from clerestory.study.study_tracing import trace_study
 
 # Formula of the sun position: that of gendaymtx, which Ladybug Tools' recipes call
 SUN_FORMULA: SunFormula = "radiance"

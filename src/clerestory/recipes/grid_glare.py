@@ -29,7 +29,8 @@ from clerestory.scene.sensors import Sensors
 from clerestory.study.glazed_grid_points import grid_points
 from clerestory.study.job import Display, Job
 from clerestory.study.study_matrices import StudyMatrices
-from clerestory.study.study_tracing import study_skies, study_suns, trace_study
+from clerestory.study.study_skies import study_skies, study_suns
+from clerestory.study.study_tracing import trace_study
 from clerestory.study.view_grid_points import Positions
 from clerestory.study.view_grid_positions import ViewGrid
 from clerestory.study.view_grid_tables import ViewGridTable

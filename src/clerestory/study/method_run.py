@@ -55,7 +55,8 @@ from clerestory.study.run_log import RunLog
 from clerestory.study.sensitivity_results import sensitivity_results
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
-from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.study_skies import study_skies
+from clerestory.study.study_tracing import trace_study
 from clerestory.study.total_uncertainty import total_uncertainty
 from clerestory.study.unknown_quantities import unknown_quantities
 from clerestory.study.view_grid_pictures import write_worst_pictures

@@ -10,7 +10,8 @@ from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.job import Job
 from clerestory.study.retracing import Situation
 from clerestory.study.shade_operation import operate
-from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.study_skies import study_skies
+from clerestory.study.study_tracing import trace_study
 
 
 def operated(job: Job) -> Situation:

@@ -17,7 +17,8 @@ from clerestory.scene.material_parameters import with_parameters
 from clerestory.sky.weather import Weather
 from clerestory.study.job import Job
 from clerestory.study.study_matrices import StudyMatrices
-from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.study_skies import study_skies
+from clerestory.study.study_tracing import trace_study
 from clerestory.study.unknown_quantities import UnknownQuantities
 
 # Light of the sky, of the sun, or of both

@@ -13,7 +13,7 @@ from clerestory.cluster.cluster import executor_at
 from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import Skies
-from clerestory.phases.matrix_store import BlockMaker, Maker, MatrixStore, block_names
+from clerestory.phases.matrix_store import MatrixStore
 from clerestory.phases.picture_series import block_bytes
 from clerestory.phases.stored_views import FEW
 from clerestory.progress import silent
@@ -24,12 +24,14 @@ from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
+from clerestory.study.planned_store import PlannedEntry, PlannedStore
 from clerestory.study.results import recorded_seconds
 from clerestory.study.run_log import RunLog
 from clerestory.study.stage_costs import STAGES, StageCost, StageWork, hour_bytes
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_run import MATRIX_FOLDER
-from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.study_skies import study_skies
+from clerestory.study.study_tracing import trace_study
 from clerestory.study.view_matrices import trace_views
 
 # Memory besides that of matrices [bytes]: libraries and compiled kernels; largest
@@ -107,71 +109,6 @@ class StudyPlan:
     def run_seconds(self) -> float:
         """Total time of all stages of the run [s]."""
         return sum(stage.seconds for stage in self.stages.values())
-
-
-@dataclass(frozen=True, eq=False)
-class _Entry:
-    # Matrices traced together, the fraction of their rows in the cache, and the indices
-    # of the recorded tracing jobs
-    files: tuple[str, ...]
-    kept: float
-    matrices: tuple[TransferMatrix, ...]
-    jobs: range
-    stored: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class PlannedStore:
-    """Cache for dry runs: records requests, without reading or writing matrices.
-
-    `repeated` tells how often recorded jobs are traced, by their indices.
-    """
-
-    store: MatrixStore
-    plan: Plan
-    entries: list[_Entry] = field(default_factory=list)
-    repeated: dict[range, int] = field(default_factory=dict)
-
-    def path(self, name: str, fingerprint: str) -> Path:
-        """Return the path of a matrix file."""
-        return self.store.path(name, fingerprint)
-
-    def holds(self, name: str, fingerprint: str) -> bool:
-        """Whether the matrix is in the cache."""
-        return self.store.holds(name, fingerprint)
-
-    def matrices(
-        self, names: Sequence[str], fingerprint: str, make: Maker
-    ) -> dict[str, TransferMatrix]:
-        """Record the requested matrices; return blank matrices of their shape."""
-        first = len(self.plan.planned)
-        made = dict(make())
-        files = tuple(self.path(name, fingerprint).name for name in names)
-        kept = float(all(self.holds(name, fingerprint) for name in names))
-        matrices = tuple(made[name] for name in names)
-        self._record(_Entry(files, kept, matrices, range(first, first)))
-        return made
-
-    def blocks(
-        self, name: str, fingerprint: str, rows: Sequence[slice], make: BlockMaker
-    ) -> tuple[Path, ...]:
-        """Record a matrix traced in blocks, and the fraction of rows in the cache."""
-        first, whole = len(self.plan.planned), rows[-1].stop
-        matrix = make(slice(0, whole))
-        parts = zip(block_names(name, len(rows)), rows, strict=True)
-        kept = sum(r.stop - r.start for n, r in parts if self.holds(n, fingerprint))
-        file, jobs = self.path(name, fingerprint).name, range(first, first)
-        self._record(_Entry((file,), kept / whole, (matrix,), jobs, stored=True))
-        return ()
-
-    def _record(self, entry: _Entry) -> None:
-        # Discard the tracing jobs of matrices in the cache or recorded before
-        planned, first = self.plan.planned, entry.jobs.start
-        twice = any(entry.files == other.files for other in self.entries)
-        if entry.kept == 1 or twice:
-            del planned[first:]
-        if not twice:
-            self.entries.append(replace(entry, jobs=range(first, len(planned))))
 
 
 def plan_study(*studies: Study, out: str | Path) -> StudyPlan:
@@ -263,7 +200,7 @@ def _planned(
     )
 
 
-def _leaving(entry: _Entry, steps: int) -> int:
+def _leaving(entry: PlannedEntry, steps: int) -> int:
     # Bytes of window radiance and its error components in the daylit half of the time
     if not entry.stored:
         return 0
@@ -276,7 +213,7 @@ def _together(parts: Sequence[JobCost]) -> JobCost:
 
 
 def _matrix(
-    file: str, matrix: TransferMatrix, cost: JobCost, entry: _Entry
+    file: str, matrix: TransferMatrix, cost: JobCost, entry: PlannedEntry
 ) -> PlannedMatrix:
     parts = (matrix.values, matrix.components)
     return PlannedMatrix(

@@ -23,7 +23,7 @@ from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 from clerestory.study.product_costs import machine_factor, product_seconds
 from clerestory.study.study_matrices import StudyMatrices
-from clerestory.study.study_tracing import needs_direct
+from clerestory.study.study_skies import needs_direct
 from clerestory.study.view_grid_points import USUAL_LEVEL
 from clerestory.study.view_matrices import ViewMatrices
 from clerestory.study.window_tables import INTERIOR, ControlTable
