@@ -30,7 +30,7 @@ from clerestory.phases.receivers import component_count
 from clerestory.phases.stored_views import FEW
 
 # Memory for the result of a block of time steps [bytes], and most steps of a block
-_RESULT, _STEPS = 1 << 29, 128
+_RESULT, _STEPS = 3 << 27, 128
 
 # Layers of a block of luminance: estimate, its copy, sunlight and its error
 _LAYERS = 4
