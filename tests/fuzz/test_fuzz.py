@@ -35,6 +35,7 @@ LEFT_OUT = {
     "spectral.functions:spectral_function": "reads files of the package",
     "spectral.material_library:material_samples": "reads files of the package",
     "study.variant_run:_input_key": "hashes what other readers read",
+    "study.input_files:content_hashes": "hashes what other readers read",
     "energyplus.engine_run:convert_to_json": "the engine reads the file",
     "energyplus.engine_run:simulate": "reads what the engine has written",
     "energyplus.engine_run:_reason": "reads what the engine has written",

@@ -132,7 +132,7 @@ def test_a_sun_mirrored_by_smooth_plastic(tmp_path):
     assert np.all(np.abs(ours.irradiance - seen - mirrored) < 4 * error + 0.005 * seen)
 
 
-def mirrored_sun(*, bounces, paths=1_000_000, parts=20):
+def mirrored_sun(*, bounces, paths=3_000_000, parts=60):
     """Irradiance of the sensors by paths that a smooth coat mirrors into the sun.
 
     Counted one by one. The plastic of west wall and roof (colour, specularity .05) has

@@ -33,7 +33,9 @@ def grid(name, count, spacing):
 def chosen(tmp_path):
     """Grids "a" of 8 sensors of 0.25 m², and "b" of 4 sensors of 0.5 m²."""
     grids = [grid("a", 8, 0.5), grid("b", 4, 1.0)]
-    path = tmp_path / "model.hbjson"
+    # Not beside results, where the postprocessing package looks for models
+    path = tmp_path / "inputs" / "model.hbjson"
+    path.parent.mkdir()
     path.write_text(json.dumps(honeybee_model(office(), sensor_grids=grids)))
     return read_model(path)
 
@@ -133,7 +135,9 @@ def test_limits_of_breeam_follow_from_the_program_of_a_room(tmp_path):
         grid(name, 4, 0.5) | {"room_identifier": name}
         for name in (*programs, "nowhere")
     ]
-    path = tmp_path / "model.hbjson"
+    # Not beside results, where the postprocessing package looks for models
+    path = tmp_path / "inputs" / "model.hbjson"
+    path.parent.mkdir()
     path.write_text(json.dumps(honeybee_model(*rooms, sensor_grids=grids)))
     chosen = read_model(path)
     lux = {name: np.zeros((4, 8760)) for name in (*programs, "nowhere")}
