@@ -16,7 +16,8 @@ NM = np.linspace(380, 780, 401)
 WALL = 0.5 + 0.3 * np.sin(NM / 50)
 FLOOR = 0.1 + 0.5 / (1 + np.exp((600 - NM) / 20))
 SKY = 1.5 - 0.9 * (NM - 380) / 400
-RUNS = 8
+# Enough for standard errors that are those of a normal distribution
+RUNS = 64
 
 # First patch of every row of the sky, from the horizon to the zenith
 ROWS = np.cumsum([0, 30, 30, 24, 24, 18, 12, 6])
