@@ -22,8 +22,8 @@ def compared_settings(
 
     Tables of a list are named by their key `name`, or their number. Of paths the last
     part is given; of more than eight keys, the first eight. `files` are hashes of the
-    content of input files by path, for each study: files of the same name whose content
-    differs are told apart by the first digits of the hash.
+    content of input files by path, for each study: if names are equal and content is
+    not, the files that differ are given with the first digits of their hashes.
 
     >>> compared_settings([{"sky": {"rotation_deg": 0.0}}, {"sky": {}}])
     [{'sky.rotation_deg': '0'}, {'sky.rotation_deg': '–'}]
@@ -39,14 +39,14 @@ def compared_settings(
     for key in dict.fromkeys(key for study in plain for key in study):
         if any(key == out or key.startswith(f"{out}.") for out in _LEFT_OUT):
             continue
+        values = [study.get(key, "–") for study in plain]
         # Without hashes of all files only their names can be compared
-        kinds = [plain, exact] if hashed else [plain]
-        values = ([study.get(key, "–") for study in kind] for kind in kinds)
-        different = next((own for own in values if len(set(own)) > 1), None)
-        if different is None:
+        if len(set(values)) == 1 and hashed:
+            values = _without_common([study.get(key, "–") for study in exact])
+        if len(set(values)) == 1:
             continue
-        for study, value in zip(found, different, strict=True):
-            study[key] = value
+        for study, value in zip(found, values, strict=True):
+            study[key] = _shortened(value)
         if len(found[0]) == _MOST_KEYS:
             break
     return found
@@ -63,9 +63,19 @@ def _flat(
         for number, item in enumerate(value, start=1):
             yield from _flat(item, hashes, f"{key}.{item.get('name') or number}")
     elif value is not None and value != []:
-        words = _words(value, hashes)
-        short = len(words) <= _MOST_LETTERS
-        yield key, words if short else f"{words[: _MOST_LETTERS - 1]}…"
+        yield key, _words(value, hashes)
+
+
+def _without_common(values: Sequence[str]) -> list[str]:
+    # What lists do not have in common
+    lists = [value.split(", ") for value in values]
+    common = set(lists[0]).intersection(*lists[1:])
+    return [", ".join(w for w in words if w not in common) for words in lists]
+
+
+def _shortened(words: str) -> str:
+    short = len(words) <= _MOST_LETTERS
+    return words if short else f"{words[: _MOST_LETTERS - 1]}…"
 
 
 def _words(value: Any, hashes: Mapping[str, str]) -> str:

@@ -1,8 +1,8 @@
 """Time for products of matrices and skies, from rates measured on one core.
 
 The rates are processor time of one core, measured on 2026-11-23 on a shared x86-64
-server (two cores of an AMD EPYC; NumPy with OpenBLAS). `machine_factor` gives the time
-on this machine in units of the time on that server.
+server (two cores of an AMD EPYC; NumPy with OpenBLAS). `machine_factor` is the ratio of
+the time on this machine to the time there.
 """
 
 import time
@@ -28,17 +28,16 @@ _SKY, _WINDOW, _COPY, _VALUE = 5e-11, 7e-10, 3e-9, 2e-9
 # Seconds per recorded path and time step: pixels in sunlight, in one band
 _PATH = 2e-9
 
-
 # Rows of the square matrices whose product is timed, number of products, and seconds
 # per multiply-add on the server
 _ROWS, _REPEATS, _SERVER = 512, 5, 4.1e-11
 
 
 def machine_factor() -> float:
-    """Return the processor time of this machine for what took 1 s on the server."""
+    """Return the time of a product on this machine, relative to the server."""
     one = np.full((_ROWS, _ROWS), 0.5, dtype=np.float32)
     spent = []
-    # Threads that wait for each other would count as busy
+    # With several threads, processor time includes their waiting
     with linear_algebra_in_one_thread():
         for _ in range(_REPEATS):
             start = time.process_time()

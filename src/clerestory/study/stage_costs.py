@@ -214,7 +214,7 @@ class StageWork:
         return StageCost(work, _STANDARD * count * hours)
 
     def _uncertainty(self, sensors: int) -> StageCost:
-        # Products of first and second derivatives, and the figures of merit of draws
+        # Illuminance with its first and second derivatives; figures of merit of draws
         table = self.study.uncertainty
         if table is None:
             return StageCost()

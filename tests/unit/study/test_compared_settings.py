@@ -59,12 +59,20 @@ def test_values_and_keys_have_a_largest_number():
 def test_files_of_equal_names_are_told_apart_by_their_content():
     files = {"materials.rad": "11aa22bb", "room.rad": "33cc44dd", "oslo.epw": "55ee"}
     edited = {**files, "room.rad": "99ff00aa"}
-    names = "materials.rad (11aa22), room.rad"
     assert compared_settings([STUDY, STUDY], [files, edited]) == [
-        {"scene.files": f"{names} (33cc44)"},
-        {"scene.files": f"{names} (99ff00)"},
+        {"scene.files": "room.rad (33cc44)"},
+        {"scene.files": "room.rad (99ff00)"},
     ]
     assert compared_settings([STUDY, STUDY], [files, files]) == [{}, {}]
+
+
+def test_the_last_of_many_edited_files_is_found():
+    names = [f"a_long_name_of_a_scene_file_{k}.rad" for k in range(9)]
+    study = {"scene": {"files": names}}
+    files = dict.fromkeys(names, "11aa22bb")
+    first, second = compared_settings([study, study], [files, files | {names[-1]: "9"}])
+    assert first == {"scene.files": f"{names[-1]} (11aa22)"}
+    assert second == {"scene.files": f"{names[-1]} (9)"}
 
 
 def test_runs_without_hashes_are_compared_by_names():
