@@ -2,43 +2,63 @@
 
     python benchmarks/five_phase_causes.py --keep DIR [--write FILE]
 
-Reads what `five_phase_truth.py` kept in the folder. Behind the film, the flux of the
-sun through the window is compared: spread over patches, as in V T D S, and by rays of
-its disc through the prisms. Behind the microlouvre, the worst cases of DGP are made
-again with other random numbers, more paths and a finer tree, and with the sky, or the
-sun, by path tracing.
+Reads what `five_phase_truth.py` kept in the folder. Behind film and microlouvre, the
+parts of five phases are compared with path tracing: light of the sky, sun that arrives
+straight from the window, sun that the room has reflected, and its flux through the
+window. Behind the microlouvre, the worst cases of DGP
+are made again with other random numbers, more paths and a finer tree, and with the sky,
+or the sun, by path tracing.
 """
 
 import argparse
+import importlib
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-from five_phase_truth import EFFORT, PIXEL, results
-from truth import cause_tables, methods, reference
+from five_phase_truth import EFFORT, FEW, PIXEL, results
+from truth import cause_tables, methods
 from truth.facades import Kind, kinds
 from truth.jackknife import glare, indices
 from truth.kept import Arrays, kept
-from truth.setting import HEIGHT, WIDTH, cameras, pictured, weather
+from truth.setting import cameras, demo, pictured, weather
 from truth.slats import Slats
+
+from clerestory.engine.device import load
+
+# Paths of a sensor for the light of the sky
+SKY = 32768
 
 # Worst cases of DGP that are examined
 WORST = 3
 
 
-def film(kind: Kind, folder: Path) -> Arrays:
-    """Return the flux of the sun through the film (step), `spread` and `exact`."""
-    made = reference.truth(kind)
-    exact = []
-    for time in weather().times.tolist():
-        sun = made.when(weather(), time).beams
-        across = np.array(sun.irradiance) * np.array(sun.direction)[1]
-        low_x, high_x, low_z, high_z = (float(edge[0]) for edge in sun.lit)
-        lit = (high_x - low_x) * (high_z - low_z) / (WIDTH * HEIGHT)
-        exact.append(across.mean() * lit)
+def sunlight(kind: Kind, folder: Path) -> Arrays:
+    """Return the sun through a façade, by rays of its disc through the geometry.
+
+    `exact` is the flux per area of the window (step) [W/m²], `spread` that of V T D S;
+    `lux_direct` is the illuminance of the sensors straight from the window
+    (sensor, step) [lux].
+    """
+    # Kernels are built for a device that is loaded before them
+    load()
+    module = importlib.import_module("truth.sun_rays")
+    exact, direct = module.through(kind, weather(), demo()[2])
     spread = methods.sun_flux(kind, weather(), EFFORT, folder)
-    return {"spread": spread, "exact": np.array(exact)}
+    return {"spread": spread, "exact": exact, "lux_direct": direct}
+
+
+def sky(kind: Kind) -> Arrays:
+    """Return illuminance by the sky alone (sensor, step) [lux], at some hours."""
+    dark = Slats(kind, shines=False)
+    lux = [
+        dark.illuminance(
+            weather(), weather().times[hour].item(), demo()[2], samples=SKY, seed=hour
+        )[0]
+        for hour in FEW
+    ]
+    return {"lux_sky_traced": np.array(lux).T}
 
 
 def worst(found: Arrays) -> list[tuple[int, int]]:
@@ -122,17 +142,27 @@ def main() -> None:
     parser.add_argument("--write", type=Path, help="Markdown file to write")
     options = parser.parse_args()
     every = kinds()
-    of_film, of_louvre = (
-        results(options.keep, name, every[name]) for name in ("film", "louvre")
-    )
-    flux = kept(options.keep, "film-flux", partial(film, every["film"], options.keep))
+    systems = {name: every[name] for name in ("film", "louvre")}
+    found = {
+        kind: results(options.keep, name, kind, hours=FEW)
+        for name, kind in systems.items()
+    }
+    suns: dict[Kind, Arrays] = {}
+    for name, kind in systems.items():
+        rays = kept(
+            options.keep, f"{name}-sunlight", partial(sunlight, kind, options.keep)
+        )
+        dark = kept(options.keep, f"{name}-sky", partial(sky, kind))
+        seconds = rays["seconds"] + dark["seconds"]
+        suns[kind] = rays | dark | {"seconds": seconds}
+    of_louvre = found[every["louvre"]]
     cases = worst(of_louvre)
     variants = kept(
         options.keep,
         "louvre-causes",
         partial(louvre, every["louvre"], cases, options.keep),
     )
-    text = cause_tables.page(of_film, flux, of_louvre, cases, variants)
+    text = cause_tables.page(found, suns, of_louvre, cases, variants)
     print(text)
     if options.write:
         options.write.write_text(text)

@@ -79,13 +79,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--keep", type=Path, help="folder of what was computed")
     parser.add_argument("--only", nargs="*", choices=[*DAYS], default=[*DAYS])
+    parser.add_argument(
+        "--blind", nargs="*", choices=[*DAYS], default=[*DAYS],
+        help="days of these set-ups for the blind alone",
+    )  # fmt: skip
     parser.add_argument("--write", type=Path, help="Markdown file to write")
     options = parser.parse_args()
     made = {}
     for setup in options.only:
         made[setup] = results(options.keep, setup, DAYS[setup])
-        reference_room = f"Ref VB, days of {setup}"
-        made[reference_room] = results(options.keep, "Ref VB", DAYS[setup])
+        if setup in options.blind:
+            blind = f"Ref VB, days of {setup}"
+            made[blind] = results(options.keep, "Ref VB", DAYS[setup])
     text = field_tables.page(made, DAYS)
     print(text)
     if options.write:

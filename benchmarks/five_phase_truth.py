@@ -21,9 +21,9 @@ from pathlib import Path
 
 import numpy as np
 from truth import check, methods, reference, tables
-from truth.facades import Kind, kinds
+from truth.facades import Kind, kinds, prismatic_film
 from truth.kept import Arrays, kept
-from truth.setting import cameras, demo, pictured, weather
+from truth.setting import cameras, demo, moment, pictured, weather
 from truth.slats import PixelPaths
 
 # Paths of a sensor and hour: standard errors of about 1 %
@@ -42,24 +42,31 @@ PIXEL = PixelPaths(usual=16, sunny=8192)
 # Paths of a sensor in the check of the film's truth
 CHECK = 16384
 
+# Pitches of prisms in that check [mm]
+PITCHES = 5, 2
+
 # Paths of the methods: of a row of the matrices, of a pixel, of a pixel to the windows
 EFFORT = methods.MethodPaths(row=16384, pixel=128, direct=32)
 
+
+# Hours of illuminance: all of them, or those that pictures are made of
+HOURS = range(len(weather().times))
+FEW = range(0, len(weather().times), 2)
 
 WHAT = "lux", "glare", "lux-phases", "glare-phases"
 
 
 def results(
-    folder: Path | None, name: str, kind: Kind, wanted: Sequence[str] = WHAT
+    folder: Path | None,
+    name: str,
+    kind: Kind,
+    wanted: Sequence[str] = WHAT,
+    hours: Sequence[int] = HOURS,
 ) -> Arrays:
-    """Return truth and methods of a system, or some of these."""
+    """Return truth and methods of a system, or some of these, at some hours."""
     _, _, sensors, _ = demo()
     of_methods = {"paths": EFFORT, "folder": folder}
-    samples = SENSOR[name]
     steps = {
-        "lux": partial(
-            reference.illuminances, kind, weather(), sensors, samples=samples
-        ),
         "glare": partial(reference.glares, kind, pictured(), cameras(), paths=PIXEL),
         "lux-phases": partial(
             methods.illuminances, kind, weather(), sensors, **of_methods
@@ -70,10 +77,31 @@ def results(
     }
     found: Arrays = {}
     seconds = 0.0
-    for what in wanted:
-        arrays = kept(folder, f"{name}-{what}", steps[what])
+    makers = {what: make for what, make in steps.items() if what in wanted}
+    if "lux" in wanted:
+        makers |= {
+            f"lux-{hour}": partial(
+                reference.illuminances,
+                *(kind, moment(hour), sensors),
+                samples=SENSOR[name],
+                seed=hour,
+            )
+            for hour in hours
+        }
+    lux = []
+    for what, make in makers.items():
+        arrays = kept(folder, f"{name}-{what}", make)
         seconds += float(arrays.pop("seconds"))
+        if what.removeprefix("lux-").isdigit():
+            lux.append(arrays)
+            continue
         found |= arrays
+    for part, values in found.items():
+        if part.startswith("lux"):
+            found[part] = values[:, hours]
+    for part in ("lux", "lux_error"):
+        if lux:
+            found[part] = np.concatenate([each[part] for each in lux], axis=1)
     return found | {"seconds": np.array(seconds)}
 
 
@@ -86,21 +114,23 @@ def main() -> None:
     parser.add_argument(
         "--what", nargs="*", choices=WHAT, default=WHAT, help="kinds of results"
     )
+    parser.add_argument("--few", action="store_true", help="every other hour only")
     parser.add_argument("--write", type=Path, help="Markdown file to write")
     options = parser.parse_args()
+    hours = FEW if options.few else HOURS
     made = {
-        kind: results(options.keep, name, kind, options.what)
+        kind: results(options.keep, name, kind, options.what, hours)
         for name, kind in kinds().items()
         if name in options.only
     }
     if set(options.what) != set(WHAT):
         return
-    proof = None
-    for name, kind in kinds().items():
-        if kind.clear and name in options.only:
-            prove = partial(check.traced, kind, CHECK)
-            proof = kept(options.keep, f"{name}-check", prove)
-    text = tables.page(made, proof)
+    proofs = {}
+    if "film" in options.only:
+        for pitch in PITCHES:
+            prove = partial(check.traced, prismatic_film(pitch * 1e-3), CHECK)
+            proofs[pitch] = kept(options.keep, f"film-check-{pitch}", prove)
+    text = tables.page(made, hours, proofs)
     print(text)
     if options.write:
         options.write.write_text(text)

@@ -2,22 +2,23 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from duel import stamp
+from five_phase_truth import FEW
 
+from truth.facades import Kind
 from truth.kept import Arrays
 from truth.setting import demo, pictured, weather
 
 
 def page(
-    film: Arrays,
-    flux: Arrays,
+    found: dict[Kind, Arrays],
+    suns: dict[Kind, Arrays],
     louvre: Arrays,
     cases: Sequence[tuple[int, int]],
     variants: Arrays,
 ) -> str:
     """Return the whole page."""
-    seconds = sum(float(found["seconds"]) for found in (flux, variants))
+    seconds = sum(float(each["seconds"]) for each in (*suns.values(), variants))
     lines = [
         "# Why five phases deviate from path tracing",
         "",
@@ -25,9 +26,8 @@ def page(
         " minutes of processor time, from the cases of [five phases against path"
         " tracing](five-phase.md).",
         "",
-        "## Behind the film",
-        "",
-        *_film(film, flux),
+        *_REFLECTED_SUN,
+        *(line for kind in found for line in _parts(kind, found[kind], suns[kind])),
         "",
         "## DGP behind the microlouvre",
         "",
@@ -36,44 +36,59 @@ def page(
     return "\n".join(lines) + "\n"
 
 
-def _film(found: Arrays, flux: Arrays) -> list[str]:
+def _parts(kind: Kind, found: Arrays, sun: Arrays) -> list[str]:
+    # Parts of five phases, and of the truth
+    direct, sky = sun["lux_direct"][:, FEW], sun["lux_sky_traced"]
+    reflected = found["lux"] - sky - direct
+    ratio = (sun["exact"] / sun["spread"])[FEW]
+    corrected = sky + direct + found["lux_reflected_sun"] * ratio
     level = demo()[3]
-    real = found["lux"][level]
-    ratio = flux["exact"] / flux["spread"]
-    scaled = found["lux_five"] + found["lux_reflected_sun"] * (ratio - 1)
-    off = {
-        "three": found["lux_three"][level] / real - 1,
-        "five": found["lux_five"][level] / real - 1,
-        "scaled": scaled[level] / real - 1,
-    }
-    share = found["lux_reflected_sun"][level] / real
     lines = [
-        "Five phases replace the sun that arrives at a sensor straight from the window."
-        " Sun that the room has reflected remains that of V T D S: its flux through the"
-        " window is the mean over a Klems patch and four patches of the sky. The table"
-        " compares this flux with that of rays of the disc through the prisms, and the"
-        " deviations of horizontal illuminance, before and after the reflected sun is"
-        " multiplied by the ratio of both.",
         "",
-        "| hour | flux in patches / by rays | share of reflected sun | 3-phase, bias |"
-        " 5-phase, bias | with the flux by rays |",
-        "|---|---|---|---|---|---|",
+        f"### {kind.name[0].upper()}{kind.name[1:]}",
+        "",
+        "| hour, plane | sky | direct sun | reflected sun | sky, method / truth |"
+        " direct sun, method / truth | reflected sun, method / truth | flux in patches"
+        " / by rays | 5-phase / truth |",
+        "|---|" + "---|" * 8,
     ]
-    for step, time in enumerate(weather().times.astype(str)):
-        bias = [f"{each[:, step].mean():+.1%}" for each in off.values()]
-        lines.append(
-            f"| {time} | {1 / ratio[step]:.3f} | {share[:, step].mean():.0%} |"
-            f" {' | '.join(bias)} |"
+    gains = []
+    for plane, chosen in (("horizontal", level), ("vertical", ~level)):
+        pairs = [
+            (true[chosen].sum(axis=0), found[f"lux_{name}"][chosen].sum(axis=0))
+            for name, true in (
+                ("sky", sky),
+                ("direct_sun", direct),
+                ("reflected_sun", reflected),
+            )
+        ]
+        whole, five = (found[part][chosen].sum(axis=0) for part in ("lux", "lux_five"))
+        for step, hour in enumerate(FEW):
+            shares = [f"{true[step] / whole[step]:.0%}" for true, _ in pairs]
+            ratios = [
+                _ratio(made[step], true[step], whole[step]) for true, made in pairs
+            ]
+            lines.append(
+                f"| {weather().times[hour]}, {plane} | {' | '.join(shares)} |"
+                f" {' | '.join(ratios)} | {1 / ratio[step]:.3f} |"
+                f" {five[step] / whole[step]:.3f} |"
+            )
+        before, after = (
+            abs(part[chosen] / found["lux"][chosen] - 1).mean()
+            for part in (found["lux_five"], corrected)
         )
-    mean = [f"{abs(each).mean():.1%}" for each in off.values()]
-    lines.append(f"| mean deviation | | {share.mean():.0%} | {' | '.join(mean)} |")
-    among = np.corrcoef(1 / ratio, off["five"].mean(axis=0))[0, 1]
+        gains.append(f"{plane} from {before:.1%} to {after:.1%}")
     lines += [
         "",
-        "The correlation between the ratio of the fluxes and the bias of five phases is"
-        f" {among:.2f} over the hours.",
+        "With the sky and the direct sun of the truth, and the reflected sun multiplied"
+        f" by the ratio of the fluxes, mean deviations change: {', '.join(gains)}.",
     ]
     return lines
+
+
+def _ratio(made: float, true: float, whole: float) -> str:
+    # Nothing is said of parts below a hundredth
+    return f"{made / true:.3f}" if true > 0.01 * whole else "–"
 
 
 def _louvre(
@@ -100,3 +115,17 @@ def _louvre(
 
 def _row(name: str, values: Sequence[float], how: str) -> str:
     return f"| {name} | {' | '.join(how.format(value) for value in values)} |"
+
+
+_REFLECTED_SUN = [
+    "## Parts of five phases",
+    "",
+    "Five phases replace the sun that arrives at a sensor straight from the window, and"
+    " in pictures also sun that is reflected once. Light of the sky, and sun that the"
+    " room has reflected, remain those of V T D S: of Klems patches, and of the sun"
+    " spread over four patches of the sky. The tables give the shares of the parts in"
+    " the truth, summed over sensors, and what the method makes of them; then the flux"
+    " of the sun through the window, in patches and by rays of its disc through the"
+    " geometry. Direct sun of the truth is that of the same rays; reflected sun is the"
+    " rest.",
+]

@@ -15,7 +15,7 @@ from truth.setting import demo, weather
 from truth.slats import portal
 
 # Steps of the weather: one hour of each day
-STEPS = 1, 5, 10
+STEPS = 2, 6, 10
 
 
 def traced(kind: Kind, samples: int) -> Arrays:

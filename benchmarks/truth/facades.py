@@ -101,8 +101,13 @@ def kinds() -> dict[str, Kind]:
         "mirror": _whole("specular blind, 0°", _polished(_blind("mirror", **wide))),
         "double": _whole("glass double façade with blind, 30°", _double_facade()),
         "louvre": _whole("microlouvre, 40° cut-off", _louvre()),
-        "film": _whole("prismatic film, 60° and 75°", _prisms()),
+        "film": prismatic_film(),
     }
+
+
+def prismatic_film(pitch: float = 2e-3) -> Kind:
+    """Return the film, with prisms of another size if wanted [m]."""
+    return _whole("prismatic film, 60° and 75°", _prisms(pitch))
 
 
 def field_kinds() -> dict[str, Kind]:
@@ -200,23 +205,23 @@ def _cavity(slats: int, length: float, beyond: float) -> Scene:
     return Scene(blind.materials | {"glass": glass}, tuple(surfaces))
 
 
-# Prisms and mirrors larger than real ones, which deflect light alike and cost fewer
-# polygons: pitch and base of prisms; pitch, thickness and depth of mirrors [m]
+# Prisms and mirrors larger than real ones deflect light alike and cost fewer polygons.
+# Base of the prisms relative to their pitch; pitch, thickness and depth of mirrors [m]
 _PRISMS = {"upper_angle_deg": 60.0, "lower_angle_deg": 75.0}
-_PITCH, _BASE = 2e-3, 0.5e-3
+_BASE = 0.25
 _MIRRORS = {"pitch": 2.65e-3, "thickness": 5e-3, "mirror_depth": 4e-3}
 
 
-def _prisms() -> Part:
+def _prisms(pitch: float = 2e-3) -> Part:
     def across(size: float) -> Scene:
         up, down = (1 / np.tan(np.radians(angle)) for angle in _PRISMS.values())
-        height = _PITCH / (up + down)
+        height, base = pitch / (up + down), _BASE * pitch
         teeth = [
-            (number * _PITCH + y, z)
-            for number in range(round(size / _PITCH) - 1, -1, -1)
-            for y, z in ((height * down, -_BASE - height), (0.0, -_BASE))
+            (number * pitch + y, z)
+            for number in range(round(size / pitch) - 1, -1, -1)
+            for y, z in ((height * down, -base - height), (0.0, -base))
         ]
-        saw = np.array([(size, -_BASE), *teeth])
+        saw = np.array([(size, -base), *teeth])
         film = Dielectric("film", np.ones(3), 1.49)
         surfaces = [*_strips(saw, "film", "prism"), *_sheet(size, 0.0, "sheet")]
         return Scene({"film": film}, tuple(surfaces))

@@ -37,10 +37,9 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import solid_angles
 from truth.beams import MOST, Beams, beams, random_numbers
 from truth.facades import Kind, Part
-from truth.setting import HEIGHT, PLANE, SILL, WIDTH, demo
+from truth.setting import HEIGHT, ORIGIN, WIDTH, demo
 from truth.slats import PixelPaths, near_the_sun
 
-ORIGIN = np.array([WIDTH / 2, PLANE, SILL + HEIGHT / 2])
 _LUX = RGB.weights
 
 # Share of directions that aim at the window, and when weak paths may end

@@ -129,7 +129,8 @@ def illuminances(
 ) -> Arrays:
     """Return illuminance (sensor, step) by `three` and `five` phases [lux].
 
-    `lux_reflected_sun` is the part of both that is due to sun reflected in the room.
+    Parts of five phases are the light of the sky, sun that arrives straight from the
+    window, and sun that the room has reflected.
     """
     windows, room = _windows(kind), demo()[0]
     D, D_d = _daylight(windows, paths)
@@ -155,10 +156,15 @@ def illuminances(
         matrices.append(WindowMatrices(whole, direct, MatrixChain((C_ds,))))
     S, S_ds = _skies(hours, paths)
     result = five_phase(matrices, S, S_ds, suns)
-    sun = three_phase(matrices, S_ds)["illuminance"].values
+    sun, sky = (
+        three_phase(matrices, part)["illuminance"].values
+        for part in (S_ds, sky_of(hours, paths, "sky"))
+    )
     return {
         "lux_three": result["three_phase"].values,
         "lux_five": result["illuminance"].values,
+        "lux_sky": sky,
+        "lux_direct_sun": result["direct_sun"].values,
         "lux_reflected_sun": sun - result["direct_in_patches"].values,
     }
 

@@ -55,11 +55,11 @@ def truth(kind: Kind) -> Truth:
 
 
 def illuminances(
-    kind: Kind, hours: cl.Weather, sensors: Sensors, *, samples: int
+    kind: Kind, hours: cl.Weather, sensors: Sensors, *, samples: int, seed: int = 0
 ) -> Arrays:
     """Return `lux` (sensor, step) and `lux_error`."""
     found = [
-        truth(kind).illuminance(hours, time, sensors, samples=samples, seed=step)
+        truth(kind).illuminance(hours, time, sensors, samples=samples, seed=seed + step)
         for step, time in enumerate(hours.times.tolist())
     ]
     lux, error = np.moveaxis(np.array(found), 0, -1)

@@ -14,6 +14,9 @@ from clerestory.scene.window import Window, window_of
 WIDTH, HEIGHT, SILL, PLANE = 6.1, 1.8, 0.85, -0.1
 HEAD = SILL + HEIGHT
 
+# Middle of the window, from which coordinates of rays are counted
+ORIGIN = np.array([WIDTH / 2, PLANE, SILL + HEIGHT / 2])
+
 # The wall's outer face, up to which the reveal shades the window
 FACE = -0.25
 
@@ -70,6 +73,11 @@ def weather(
         direct_normal=np.full(len(times), 700.0),
         diffuse_horizontal=np.full(len(times), 120.0), source="clear hours",
     )  # fmt: skip
+
+
+def moment(hour: int) -> cl.Weather:
+    """Return one of the sunny hours."""
+    return weather([f"{weather().times[hour]}"[5:]])
 
 
 def pictured() -> cl.Weather:

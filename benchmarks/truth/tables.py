@@ -1,6 +1,6 @@
 """The page: shares of values that three and five phases find, and how sure they are."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from duel import stamp
@@ -17,16 +17,18 @@ METHODS = ("three", "five")
 SURE_DGP, SURE_LUX = 0.005, 0.01
 
 
-def page(results: dict[Kind, Arrays], proof: Arrays | None) -> str:
-    """Return the whole page; `proof` is the film's truth by a second route."""
+def page(
+    results: dict[Kind, Arrays], hours: Sequence[int], proofs: dict[int, Arrays]
+) -> str:
+    """Return the page; `proofs` are the film's truth by a second route, by pitch."""
     level = demo()[3]
     seconds = sum(float(found["seconds"]) for found in results.values())
     lines = [
         "# Three and five phases against path tracing",
         "",
-        f"{stamp()}. {len(weather().times)} sunny hours,"
+        f"{stamp()}. {len(hours)} sunny hours,"
         f" {int(level.sum())} horizontal and {int((~level).sum())} vertical sensors;"
-        f" DGP of {int((~level).sum())} eyes in {len(pictured().times)} of these hours,"
+        f" DGP of {int((~level).sum())} eyes in {len(pictured().times)} hours,"
         f" from pictures of {EDGE} × {EDGE} pixels. Made by"
         f" `benchmarks/five_phase_truth.py` in {seconds / 60:.0f} minutes of processor"
         " time.",
@@ -43,7 +45,7 @@ def page(results: dict[Kind, Arrays], proof: Arrays | None) -> str:
         noise.append(_noise(kind, found, level))
     lines += ["", *_UNCERTAINTY, *_table("", _SURE), *noise]
     lines += ["", *_AHEAD, *_table("", _COMPARED), *nearer]
-    return "\n".join([*lines, *_proof(results, proof)]) + "\n"
+    return "\n".join([*lines, *_proof(results, hours, proofs)]) + "\n"
 
 
 def quantities(
@@ -109,25 +111,43 @@ def _nearer(name: str, real: np.ndarray, both: list[np.ndarray]) -> str:
     return _row(name, cells)
 
 
-def _proof(results: dict[Kind, Arrays], proof: Arrays | None) -> list[str]:
-    films = [found for kind, found in results.items() if kind.clear]
-    if proof is None or not films:
+def _proof(
+    results: dict[Kind, Arrays], hours: Sequence[int], proofs: dict[int, Arrays]
+) -> list[str]:
+    if not proofs:
         return []
-    ours, error = (films[0][part][:, STEPS] for part in ("lux", "lux_error"))
-    other, unsure = proof["lux"], proof["lux_error"]
-    joint = np.hypot(error, unsure)
-    total = np.sqrt(np.sum(joint**2)) / other.sum()
-    z = (ours - other) / joint
-    return [
-        "",
-        "The truth behind the film was checked by the path tracer of the package, whose"
-        " cones of sunlight learn the way through the same prisms"
-        f" ([table](sun-patches.md)). In {len(STEPS)} hours the sum over all sensors"
-        f" differs by {ours.sum() / other.sum() - 1:+.1%} ± {total:.1%}; a sensor by"
-        f" {np.sqrt(np.mean(z**2)):.2f} joint standard errors (root mean square), whose"
-        f" median is {np.median(joint / other):.1%}.",
-    ]
+    [found] = [found for kind, found in results.items() if kind.clear]
+    steps = [list(hours).index(step) for step in STEPS]
+    ours, error = (found[part][:, steps] for part in ("lux", "lux_error"))
+    lines = ["", *_CHECK, *_table("pitch of the prisms", _CHECKED)]
+    for pitch, proof in proofs.items():
+        other = proof["lux"]
+        joint = np.hypot(error, proof["lux_error"])
+        z = (other - ours) / joint
+        sums = [
+            f"{part.sum() / mine.sum() - 1:+.1%} ± {np.linalg.norm(e) / mine.sum():.1%}"
+            for part, mine, e in zip(other.T, ours.T, joint.T, strict=True)
+        ]
+        lines.append(_row(f"{pitch} mm", [*sums, f"{np.sqrt(np.mean(z**2)):.2f}"]))
+    return [*lines, "", *_DEFECT]
 
+
+_CHECK = [
+    "Check of the truth behind the film: the path tracer of the package, whose cones"
+    " of sunlight learn the way through prisms ([table](sun-patches.md)), against the"
+    " truth above (prisms of 2 mm): sums over all sensors, and the root mean square"
+    " deviation of a sensor in joint standard errors.",
+    "",
+]
+
+_CHECKED = [*(str(weather().times[step]) for step in STEPS), "a sensor"]
+
+_DEFECT = [
+    "Prisms of both sizes deflect light alike, so that a difference between the rows is"
+    " a defect of the path tracer of the package: its standard errors do not include"
+    " sunlight that no path has found. A difference that both rows have in common is"
+    " not explained yet; one of the two routes finds too little or too much.",
+]
 
 _SURE = [
     "horizontal",
