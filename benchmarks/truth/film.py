@@ -34,11 +34,11 @@ from clerestory.engine.visibility import offset
 from clerestory.image.camera import Camera
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
-from clerestory.scene.view import solid_angles
 from truth.beams import MOST, Beams, beams, random_numbers
 from truth.facades import Kind, Part
 from truth.setting import HEIGHT, ORIGIN, WIDTH, demo
 from truth.slats import PixelPaths, near_the_sun
+from truth.sun_rays import sun_images
 
 _LUX = RGB.weights
 
@@ -112,7 +112,8 @@ class Film:
         """Radiance of a camera's pixels by independent parts (part, pixel, channel)."""
         light, lit = cl.sky_at(hours, moment), self.when(hours, moment)
         sunny = near_the_sun(light, camera) & self.mixed
-        found = np.repeat(sun_images(lit.beams, camera)[..., None], 3, axis=2)
+        images = sun_images(lit.beams, camera, _PARTS)
+        found = np.repeat(images[..., None], 3, axis=2)
         for some, samples in ((~sunny, paths.usual), (sunny, paths.sunny)):
             pixels = np.flatnonzero(some)
             if len(pixels):
@@ -133,33 +134,6 @@ def estimate(
         for n in range(_PARTS)
     ]
     return np.mean(parts, axis=0), np.std(parts, axis=0, ddof=1) / np.sqrt(_PARTS)
-
-
-def sun_images(sun: Beams, camera: Camera) -> np.ndarray:
-    """Return the radiance of the sun behind the film (part, pixel), by its rays.
-
-    Each part has every fourth ray.
-    """
-    towards = -np.array(sun.direction).T.astype(float)
-    place = camera.position - ORIGIN
-    distance = -place[1] / towards[:, 1]
-    x, _, z = (place + distance[:, None] * towards).T
-    low_x, high_x, low_z, high_z = (float(edge[0]) for edge in sun.lit)
-    seen = (distance > 0) & (x > low_x) & (x < high_x) & (z > low_z) & (z < high_z)
-    size = {"columns": camera.columns, "rows": camera.rows}
-    row, column = np.floor(camera.view.pixel(towards[seen], **size)).astype(int).T
-    ahead = camera.view.rays(**size).valid
-    inside = (
-        (row >= 0) & (row < camera.rows) & (column >= 0) & (column < camera.columns)
-    )
-    inside[inside] &= ahead[row[inside], column[inside]]
-    pixel = (row * camera.columns + column)[inside]
-    ray = np.flatnonzero(seen)[inside]
-    power = np.array(sun.irradiance)[ray] * _PARTS / int(sun.count[0])
-    place_in = (ray % _PARTS) * len(camera) + pixel
-    found = np.bincount(place_in, power, _PARTS * len(camera))
-    area = solid_angles(camera.view, camera.columns, camera.rows).ravel()
-    return found.reshape(_PARTS, -1) / np.maximum(area, 1e-12)
 
 
 def _window_pdf(point, direction):

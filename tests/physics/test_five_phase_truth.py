@@ -60,7 +60,7 @@ def test_an_eye_sees_the_sun_through_a_clear_sheet():
     eye = View("angular", (3.05, 1.2, 1.0), (0, -1, 0), horizontal=180, vertical=180)
     camera = Camera(eye, 100, 100)
     beams = film.when(hours, time).beams
-    images = importlib.import_module("truth.film").sun_images(beams, camera)
+    images = importlib.import_module("truth.sun_rays").sun_images(beams, camera, 4)
     found = images.mean(axis=0) @ solid_angles(eye, 100, 100).ravel()
     light = cl.sky_at(hours, time)
     [sun] = [source for source in light.distant if source.angle_deg < 1]
