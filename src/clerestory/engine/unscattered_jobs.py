@@ -18,7 +18,7 @@ from clerestory.engine.work_units import Unit, UnitSize, evenly_spaced
 from clerestory.scene.sensors import Sensors
 
 # Largest number of parallel rays (lanes) in one work unit
-_LANES = 1 << 21
+LANES = 1 << 21
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -26,13 +26,17 @@ class UnscatteredJob(EstimatedJob):
     """Irradiance of sensors from distant sources, unobstructed or through glass.
 
     Each column has one source; `directions` are unit vectors to sample points of the
-    source, batch by batch. `samples` is the number of rays per sensor and source.
+    source, batch by batch. `samples` is the number of rays per sensor and source. Of
+    each batch, the first `pilot` rays are traced for all pairs of sensor and source,
+    the others only for pairs with differing transmittances of their pilot rays, such as
+    sensors in the penumbra of the sun.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
     together: ClassVar[bool] = False
 
     samples: int
+    pilot: int
     sensors: Sensors
     directions: Float[np.ndarray, "column point 3"]
 
@@ -55,7 +59,7 @@ class UnscatteredJob(EstimatedJob):
     def pilot_unit(self, paths: int) -> Unit:
         """Return a pilot unit of consecutive rows and evenly spaced columns."""
         rows, _, columns, _ = self.shape
-        pairs = max(1, paths // (self.batches * self.points))
+        pairs = max(1, paths // (self.batches * self.pilot))
         few = evenly_spaced(columns, max(1, min(pairs, max(8, pairs // rows))))
         block = max(1, min(rows, pairs // max(1, len(few))))
         first = (rows - block) // 2
@@ -75,8 +79,9 @@ class UnscatteredJob(EstimatedJob):
         """Divide the rows and columns of the matrix into work units."""
         del size
         columns = np.arange(self.shape[2])
-        block = max(1, min(len(rows), _LANES // self.samples))
-        every = max(1, _LANES // (self.samples * block))
+        pairs = max(1, LANES // (self.batches * self.pilot))
+        block = min(len(rows), pairs)
+        every = max(1, pairs // block)
         for start in range(0, len(columns), every):
             for at in range(0, len(rows), block):
                 chosen = rows[at : at + block], columns[start : start + every]

@@ -94,11 +94,14 @@ class StoredViews:
         return np.concatenate(parts, axis=1)
 
     def _block(self, number: int) -> TransferMatrix:
-        # Keep the last block in memory, as it is read once for each window
-        if number not in self._last:
+        # Keep the last block in memory, as it is read once for each window. Threads may
+        # read different blocks
+        found = self._last.get(number)
+        if found is None:
+            found = read_netcdf(self.files[number])
             self._last.clear()
-            self._last[number] = read_netcdf(self.files[number])
-        return self._last[number]
+            self._last[number] = found
+        return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,7 +47,8 @@ def unscattered_coefficients(
     effort = sun_effort(unscattered_coefficients, keywords, samples=_PATCH_SAMPLES)
     sky = reinhart(subdivision)
     directions = _in_patches(sky.dome, _points(len(sky.dome), effort))
-    found = _traced(scene, sensors, directions, effort)
+    every = directions.shape[1] // BATCHES
+    found = _traced(scene, sensors, directions, effort, pilot=every)
     # Irradiance per patch radiance; zero for the ground, which is patch 0
     angle = sky.dome.solid_angles()
     values, components = (
@@ -66,12 +67,13 @@ def unscattered_sun(
 ) -> TransferMatrix:
     """Direct-sun coefficients C_ds: irradiance per direct normal irradiance.
 
-    `suns` are unit vectors, `samples` the number of rays per sensor and sun. The solar
-    disc has a diameter of 0.533°.
+    `suns` are unit vectors, `samples` the number of rays per sensor and sun with a
+    partly visible disc. Of other suns, 16 rays are traced. The solar disc has a
+    diameter of 0.533°.
     """
     effort = sun_effort(unscattered_sun, keywords, samples=_SUN_SAMPLES)
     directions = disc_points(suns, _points(len(suns), effort))
-    values, components = _traced(scene, sensors, directions, effort)
+    values, components = _traced(scene, sensors, directions, effort, pilot=1)
     axes = sensors_axis(sensors), sun_axis(len(suns))
     return TransferMatrix(values, *axes, components, scene.bands)
 
@@ -118,6 +120,8 @@ def _traced(
     sensors: Sensors,
     directions: Float[np.ndarray, "column point 3"],
     effort: Effort,
+    *,
+    pilot: int,
 ) -> tuple[np.ndarray, np.ndarray]:
     # Transmittance times cosine, averaged over the directions in each patch or sun
     job = UnscatteredJob(
@@ -125,6 +129,7 @@ def _traced(
         sensors=sensors,
         directions=directions,
         samples=directions.shape[1],
+        pilot=pilot,
         **effort.job_options(),
     )
     found = estimate(job, effort)
