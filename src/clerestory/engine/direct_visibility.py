@@ -3,7 +3,7 @@
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.engine.lower import lower
 from clerestory.engine.unscattered_jobs import LANES, UnscatteredJob
@@ -19,8 +19,8 @@ from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 
-# Difference of transmittances, as a fraction of the largest, for which all rays of a
-# pair are traced
+# Difference of transmittances of probes, as a fraction of the largest, for which all
+# sample points of a pair are traced
 _DIFFERENT = 0.01
 
 
@@ -70,83 +70,84 @@ def prepare_unscattered(job: UnscatteredJob) -> Tracer:
 
     def trace(unit: Unit) -> Float[np.ndarray, "row batch column channel"]:
         rows, columns = len(unit.rows), len(unit.columns)
-        row = np.repeat(unit.rows, columns)
-        column = np.tile(unit.columns, rows)
-        sums, differ = rays.pilot(row, column)
-
-        # Trace the other rays of pairs with differing transmittances
-        means, rest = sums / job.pilot, job.points - job.pilot
-        few = max(1, LANES // (job.batches * max(1, rest)))
-        for first in range(0, len(differ) * (rest > 0), few):
-            some = differ[first : first + few]
-            others = rays.sums(row[some], column[some], job.pilot, rest)
-            means[some] = (sums[some] + others) / job.points
-        shape = rows, columns, job.batches, -1
-        return means.reshape(shape).transpose(0, 2, 1, 3)
+        row, column = np.repeat(unit.rows, columns), np.tile(unit.columns, rows)
+        means = np.zeros((rows * columns, job.batches, job.shape[3]))
+        chosen = np.arange(len(row))
+        if job.probes is not None:
+            light, chosen = rays.probed(row, column)
+            means[:] = light[:, None]
+        few = max(1, LANES // (job.batches * job.points))
+        for first in range(0, len(chosen), few):
+            some = chosen[first : first + few]
+            means[some] = rays.means(row[some], column[some])
+        return means.reshape(rows, columns, job.batches, -1).transpose(0, 2, 1, 3)
 
     return trace
 
 
 class _ParallelRays:
-    # Rays from sensors to sample points of distant sources
+    # Rays from sensors to points of distant sources
 
     def __init__(self, job: UnscatteredJob) -> None:
         origin = job.sensors.position.mean(axis=0)
         self._job, self._model = job, lower(job.scene, origin=origin)
         self._position = vectors(mi.Point3f, job.sensors.position - origin)
         self._normal = vectors(mi.Vector3f, job.sensors.direction)
-        self._direction = vectors(mi.Vector3f, job.directions.reshape(-1, 3))
+        self._points = vectors(mi.Vector3f, job.directions.reshape(-1, 3))
+        if job.probes is not None:
+            self._probes = vectors(mi.Vector3f, job.probes.reshape(-1, 3))
 
-    def pilot(self, row: np.ndarray, column: np.ndarray) -> tuple[np.ndarray, ...]:
-        # Sums of the pilot rays of pairs, by batch and channel, and the numbers of
-        # pairs with differing transmittances
-        count = self._job.pilot
+    def probed(
+        self, row: np.ndarray, column: np.ndarray
+    ) -> tuple[Float[np.ndarray, "pair channel"], Int[np.ndarray, " differing"]]:
+        """Return the mean light of the probes of pairs, and pairs whose probes differ.
+
+        Light is transmittance times cosine.
+        """
+        count = self._job.first_rays
         with launching():
-            share, cosine = self._traced(row, column, 0, count)
+            share, cosine = self._traced(row, column, self._probes, count)
             dr.eval(share, cosine)
             found = np.stack([each.numpy() for each in share], axis=-1)
             weight = cosine.numpy()
-        shape = len(row), self._job.batches, count, len(share)
-        rays, sums = found.reshape(shape), np.zeros((*shape[:2], shape[3]))
-        weight = weight.reshape(*shape[:3], 1)
+        rays, light = (
+            found.reshape(len(row), count, -1),
+            np.zeros((len(row), len(share))),
+        )
 
         # Most sensors are in the shade of most suns
-        lit = np.flatnonzero(found.reshape(len(row), -1).any(axis=1))
+        lit = np.flatnonzero(rays.any(axis=(1, 2)))
         rays = rays[lit]
-        sums[lit] = (rays * weight[lit]).sum(axis=2)
-        low, high = rays.min(axis=(1, 2)), rays.max(axis=(1, 2))
-        differ = np.any(high - low > _DIFFERENT * high, axis=1)
-        return sums, lit[differ]
+        light[lit] = (rays * weight.reshape(-1, count, 1)[lit]).mean(axis=1)
+        low, high = rays.min(axis=1), rays.max(axis=1)
+        return light, lit[np.any(high - low > _DIFFERENT * high, axis=1)]
 
-    def sums(
-        self, row: np.ndarray, column: np.ndarray, first: int, count: int
-    ) -> np.ndarray:
-        # Sums of some rays of pairs, by batch and channel
+    def means(
+        self, row: np.ndarray, column: np.ndarray
+    ) -> Float[np.ndarray, "pair batch channel"]:
+        """Return the mean light of all sample points of pairs, by batch."""
+        batches, points = self._job.batches, self._job.points
         with launching():
-            share, cosine = self._traced(row, column, first, count)
-            light = [dr.block_sum(each * cosine, count) for each in share]
+            share, cosine = self._traced(row, column, self._points, batches * points)
+            light = [dr.block_sum(each * cosine, points) for each in share]
             dr.eval(light)
             found = np.stack([each.numpy() for each in light], axis=-1)
-        return found.reshape(len(row), self._job.batches, -1).astype(float)
+        return found.reshape(len(row), batches, -1).astype(float) / points
 
     def _traced(
-        self, row: np.ndarray, column: np.ndarray, first: int, count: int
+        self, row: np.ndarray, column: np.ndarray, points: mi.Vector3f, count: int
     ) -> tuple[list[mi.Float], mi.Float]:
-        # Transmittance by channel and cosine of rays `first` to `first + count` of each
-        # batch, the rays of a pair one after the other
-        job = self._job
-        ray = dr.arange(mi.UInt32, len(row) * job.batches * count)
-        place = ray // count
-        pair = place // job.batches
+        # Transmittance by channel, and cosine, of rays to `count` points of the source;
+        # the rays of a pair one after the other
+        ray = dr.arange(mi.UInt32, len(row) * count)
+        pair = ray // count
         source = dr.gather(mi.UInt32, on_device(mi.UInt32, column), pair)
-        batch = source * job.batches + place - pair * job.batches
-        number = batch * job.points + first + ray - place * count
         sensor = dr.gather(mi.UInt32, on_device(mi.UInt32, row), pair)
-        towards = dr.gather(mi.Vector3f, self._direction, number)
+        towards = dr.gather(mi.Vector3f, points, source * count + ray - pair * count)
         start = dr.gather(mi.Point3f, self._position, sensor)
         normal = dr.gather(mi.Vector3f, self._normal, sensor)
         cosine = dr.maximum(dr.dot(normal, towards), 0)
         active = cosine > 0
         share = transmittance(self._model, start, along(towards), active)
-        channels = job.shape[3]
+        channels = self._job.shape[3]
         return [dr.select(active, share[c], 0) for c in range(channels)], cosine

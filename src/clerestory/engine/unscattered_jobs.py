@@ -26,19 +26,19 @@ class UnscatteredJob(EstimatedJob):
     """Irradiance of sensors from distant sources, unobstructed or through glass.
 
     Each column has one source; `directions` are unit vectors to sample points of the
-    source, batch by batch. `samples` is the number of rays per sensor and source. Of
-    each batch, the first `pilot` rays are traced for all pairs of sensor and source,
-    the others only for pairs with differing transmittances of their pilot rays, such as
-    sensors in the penumbra of the sun.
+    source, batch by batch. `samples` is the number of rays per sensor and source.
+    If there are `probes`, directions to other points of the source, the samples are
+    traced only for pairs of sensor and source whose probes differ in transmittance,
+    such as sensors in the penumbra of the sun; other pairs get the mean of the probes.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
     together: ClassVar[bool] = False
 
     samples: int
-    pilot: int
     sensors: Sensors
     directions: Float[np.ndarray, "column point 3"]
+    probes: Float[np.ndarray, "column probe 3"] | None = None
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
@@ -52,6 +52,13 @@ class UnscatteredJob(EstimatedJob):
         return -(-self.samples // self.batches)
 
     @property
+    def first_rays(self) -> int:
+        """Number of rays that are traced for each pair of sensor and source."""
+        return (
+            self.batches * self.points if self.probes is None else self.probes.shape[1]
+        )
+
+    @property
     def receivers(self) -> int:
         """Number of pairs of a sensor (row) and a source (column)."""
         return self.shape[0] * self.shape[2]
@@ -59,7 +66,7 @@ class UnscatteredJob(EstimatedJob):
     def pilot_unit(self, paths: int) -> Unit:
         """Return a pilot unit of consecutive rows and evenly spaced columns."""
         rows, _, columns, _ = self.shape
-        pairs = max(1, paths // (self.batches * self.pilot))
+        pairs = max(1, paths // self.first_rays)
         few = evenly_spaced(columns, max(1, min(pairs, max(8, pairs // rows))))
         block = max(1, min(rows, pairs // max(1, len(few))))
         first = (rows - block) // 2
@@ -79,7 +86,7 @@ class UnscatteredJob(EstimatedJob):
         """Divide the rows and columns of the matrix into work units."""
         del size
         columns = np.arange(self.shape[2])
-        pairs = max(1, LANES // (self.batches * self.pilot))
+        pairs = max(1, LANES // self.first_rays)
         block = min(len(rows), pairs)
         every = max(1, pairs // block)
         for start in range(0, len(columns), every):

@@ -239,7 +239,6 @@ class BlockwiseProduct:
     ) -> tuple[Readable, Light]:
         # C and the sky radiance, or C_ds and the direct normal irradiance
         if term.part == "sun" and skies.suns is not None:
-            assert isinstance(matrix, TransferMatrix)
             columns, suns = shining_columns(matrix, skies.suns.select(steps))
             return columns, SunLight(suns, self.weights)
         return matrix, SkyLight(skies.patches(term).select(steps), self.weights)

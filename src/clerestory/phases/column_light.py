@@ -177,7 +177,7 @@ def sky_product(
     """Return the product of matrices and sky radiance, as a weighted sum of bands."""
     patches = values.shape[-1]
     shape = len(weights), patches
-    if values.shape[-3] == 1:
+    if values.shape[-3] == 1 and any(one.diffuse.any() for one in sky.parts):
         return np.asarray(values.reshape(-1, patches) @ _weighted(sky, weights))
     found = np.zeros((values[..., 0, :, 0].size, len(sky.times)), np.float32)
     for one in sky.parts:

@@ -79,7 +79,6 @@ def test_a_trial_of_the_sun_is_as_long_as_others(sensors):
         sensors=few,
         directions=np.tile([0.0, -1, 0], (10_000, 64, 1)),
         samples=64,
-        pilot=4,
         **WALK,
     )
     unit = job.pilot_unit(cost_estimate._PILOT_PATHS)
