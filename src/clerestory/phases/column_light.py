@@ -63,8 +63,7 @@ class PatchLight:
     def received(self, matrix: Layers) -> Received:
         """Multiply a matrix and its error components by the radiance."""
         values = self.values
-        # Receivers of one room, with windows of all rooms; some receivers mostly
-        # suffice to tell
+        # Receivers of one room, with windows of all rooms; mostly some suffice to tell
         if _seen(matrix[:, :, ::_SOME]).mean() < 0.5:
             seen = _seen(matrix)
             if seen.mean() < 0.5:
@@ -121,9 +120,8 @@ class SkyLight:
         """Multiply a matrix and its error components by the radiance."""
         layers, _, rows, _ = matrix.shape
         shape = layers, rows, len(self.sky.times)
-        products = (
-            sky_product(matrix, self.sky, w).reshape(shape) for w in self.weights
-        )
+        multiply = partial(sky_product, matrix, self.sky)
+        products = (multiply(w).reshape(shape) for w in self.weights)
         if len(self.weights) == 1:
             return next(products)[:, None]
         found = np.empty((layers, len(self.weights), *shape[1:]), np.float32)
@@ -216,15 +214,14 @@ def exiting_light(
 ) -> PatchLight:
     """Return the exiting radiance T(t) D S(t) of all windows.
 
-    `arriving` returns D S, by default computed here; `threads` tells whether windows
-    are computed in several threads.
+    `arriving` returns D S, by default computed here; `threads`: windows in threads.
     """
     summed = len(weights) == 1
     channels = 1 if summed and all(map(_is_grey, chains)) else weights.shape[1]
     each = weights if channels == 1 or not summed else np.diag(weights[0])
-    own = zip(chains, states, strict=True)
     make = partial(_exiting, sky, each, errors=errors, arriving=arriving or _arriving)
-    parts = list((computed_in_threads if threads else map)(make, own))
+    windows = zip(chains, states, strict=True)
+    parts = list((computed_in_threads if threads else map)(make, windows))
     values = np.concatenate([part[0] for part in parts], axis=1)
     return PatchLight(values, tuple(part[1:] for part in parts), summed)
 
@@ -244,7 +241,7 @@ def _exiting(
     errors: bool,
     arriving: "Arriving",
 ) -> Float32[np.ndarray, "layer channel patch step"]:
-    # Radiance and error components of a window, given its matrices and shade states;
+    # Radiance and error components of a window, given its matrices and shade states.
     # D S is computed once for all states with equal D
     chain, state = window
     layers = 1 + (chain_components(chain) if errors else 0)

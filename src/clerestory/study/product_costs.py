@@ -93,8 +93,9 @@ def product_seconds(
         elif isinstance(first, Sunlit):
             seconds += rows * steps * bands * samples * _PATH
         else:
-            known = isinstance(first, TransferMatrix | StoredColumns)
-            axis = first.columns if known else None
+            axis = None
+            if isinstance(first, TransferMatrix | StoredColumns):
+                axis = first.columns
             each = layers * rows * (axis.size if axis else steps)
             seconds += each * channels * len(chain.receiving) * _COPY
             if axis and axis.kind == "sky":
