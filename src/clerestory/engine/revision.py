@@ -5,7 +5,7 @@ increments the revision if the code that matrices depend on has changed, as requ
 a test.
 """
 
-ESTIMATOR_REVISION = 48
+ESTIMATOR_REVISION = 49
 
 # SHA-256 of the sources of this revision
-ESTIMATOR_DIGEST = "b80c471c089478b1200817adb7220bf45cdffb5eb445d7601a340d373a1addd9"
+ESTIMATOR_DIGEST = "3821943b550f27caed51d3caf7e5bfa8f75642a877f820cf1797385c04c9947a"
