@@ -5,7 +5,7 @@ increments the revision if the code that matrices depend on has changed, as requ
 a test.
 """
 
-ESTIMATOR_REVISION = 48
+ESTIMATOR_REVISION = 49
 
 # SHA-256 of the sources of this revision
-ESTIMATOR_DIGEST = "b80c471c089478b1200817adb7220bf45cdffb5eb445d7601a340d373a1addd9"
+ESTIMATOR_DIGEST = "387572b14f7babd4d38230e234115c3a2932f425e5fec7286d73ac2d0aa2fc35"
