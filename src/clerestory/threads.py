@@ -1,7 +1,9 @@
-"""Threads: linear algebra in one thread, and evaluation during computation."""
+"""Threads: linear algebra in one thread, parallel computation and evaluation."""
 
 import functools
+import os
 import sys
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -16,6 +18,9 @@ _Result = TypeVar("_Result")
 
 # Interval at which a full queue is checked for the end of the evaluation [s]
 _WAIT = 0.5
+
+# Largest number of threads, as each holds the results of an item
+_MOST_THREADS = 8
 
 # Time after which a thread hands over to another [s]: Python's 5 ms would make each of
 # the two threads wait for the other in most of its array operations
@@ -36,6 +41,33 @@ def linear_algebra_in_one_thread() -> Iterator[None]:
 def _libraries() -> ThreadpoolController:
     # Controller of the number of threads of the linear algebra libraries
     return ThreadpoolController()
+
+
+def computed_in_threads(
+    compute: Callable[[_Item], _Result], items: Iterable[_Item]
+) -> Iterator[_Result]:
+    """Yield `compute(item)` for each item in order, with a thread per processor.
+
+    This is faster than threads of the linear algebra library, which wait for each other
+    in every product, if the products of an item are small.
+
+    >>> list(computed_in_threads(abs, [-1, 2, -3]))
+    [1, 2, 3]
+    """
+    count = min(os.cpu_count() or 1, _MOST_THREADS)
+    waiting: deque[Future[_Result]] = deque()
+    with (
+        linear_algebra_in_one_thread(),
+        _switching(_SWITCH),
+        ThreadPoolExecutor(count) as pool,
+    ):
+        for item in items:
+            waiting.append(pool.submit(copy_context().run, compute, item))
+            # One result waits for the consumer, so that all threads are busy
+            if len(waiting) > count:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
 
 
 def evaluated_meanwhile(

@@ -1,12 +1,17 @@
 """Items are evaluated in a second thread while they are computed."""
 
+import os
 import sys
 import threading
 
 import pytest
 from threadpoolctl import threadpool_info
 
-from clerestory.threads import evaluated_meanwhile, linear_algebra_in_one_thread
+from clerestory.threads import (
+    computed_in_threads,
+    evaluated_meanwhile,
+    linear_algebra_in_one_thread,
+)
 
 
 def test_items_are_evaluated_in_order_while_they_are_computed():
@@ -71,3 +76,26 @@ def test_the_interval_of_switching_is_restored():
     assert inside[0] == [0, 1, 2]
     assert inside[1] < before
     assert sys.getswitchinterval() == before
+
+
+def test_items_computed_in_threads_keep_their_order():
+    """The first item ends last; the results are in the order of the items."""
+    last = threading.Event()
+
+    def compute(number):
+        if number == 0 and (os.cpu_count() or 1) > 1:
+            assert last.wait(timeout=20)
+        last.set()
+        return number
+
+    assert list(computed_in_threads(compute, range(20))) == list(range(20))
+
+
+def test_an_error_in_a_thread_ends_the_computation():
+    def compute(number):
+        if number == 3:
+            raise ValueError("dark")
+        return number
+
+    with pytest.raises(ValueError, match="dark"):
+        list(computed_in_threads(compute, range(20)))

@@ -3,12 +3,12 @@
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.engine.lower import lower
-from clerestory.engine.unscattered_jobs import UnscatteredJob
+from clerestory.engine.unscattered_jobs import LANES, UnscatteredJob
 from clerestory.engine.unusual_lengths import scene_factor
-from clerestory.engine.upload import launching, vectors
+from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.visibility import (
     along,
     first_opaque,
@@ -18,6 +18,10 @@ from clerestory.engine.visibility import (
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
+
+# Difference of transmittances of probes, as a fraction of the largest, for which all
+# sample points of a pair are traced
+_DIFFERENT = 0.01
 
 
 def direct_transmittance(
@@ -62,25 +66,88 @@ def first_surfaces(
 
 def prepare_unscattered(job: UnscatteredJob) -> Tracer:
     """Return the tracer of unscattered light from distant sources to sensors."""
-    origin = job.sensors.position.mean(axis=0)
-    model = lower(job.scene, origin=origin)
-
-    _, batches, _, channels = job.shape
+    rays = _ParallelRays(job)
 
     def trace(unit: Unit) -> Float[np.ndarray, "row batch column channel"]:
         rows, columns = len(unit.rows), len(unit.columns)
-        normal = job.sensors.direction[unit.rows]
-        flat = job.directions[unit.columns].reshape(-1, 3)
-        point = np.repeat(job.sensors.position[unit.rows] - origin, len(flat), axis=0)
-        with launching():
-            start = vectors(mi.Point3f, point)
-            towards = vectors(mi.Vector3f, np.tile(flat, (rows, 1)))
-            share = transmittance(model, start, along(towards), mi.Bool(True))
-            dr.eval(share)
-            found = share.numpy()
-        share = np.broadcast_to(found, (3, rows * len(flat))).reshape(3, rows, -1)
-        light = share * np.maximum(normal @ flat.T, 0)
-        means = light.reshape(3, rows, columns, batches, job.points).mean(axis=-1)
-        return means[:channels].transpose(1, 3, 2, 0).astype(float)
+        row, column = np.repeat(unit.rows, columns), np.tile(unit.columns, rows)
+        means = np.zeros((rows * columns, job.batches, job.shape[3]))
+        chosen = np.arange(len(row))
+        if job.probes is not None:
+            light, chosen = rays.probed(row, column)
+            means[:] = light[:, None]
+        few = max(1, LANES // (job.batches * job.points))
+        for first in range(0, len(chosen), few):
+            some = chosen[first : first + few]
+            means[some] = rays.means(row[some], column[some])
+        return means.reshape(rows, columns, job.batches, -1).transpose(0, 2, 1, 3)
 
     return trace
+
+
+class _ParallelRays:
+    # Rays from sensors to points of distant sources
+
+    def __init__(self, job: UnscatteredJob) -> None:
+        origin = job.sensors.position.mean(axis=0)
+        self._job, self._model = job, lower(job.scene, origin=origin)
+        self._position = vectors(mi.Point3f, job.sensors.position - origin)
+        self._normal = vectors(mi.Vector3f, job.sensors.direction)
+        self._points = vectors(mi.Vector3f, job.directions.reshape(-1, 3))
+        if job.probes is not None:
+            self._probes = vectors(mi.Vector3f, job.probes.reshape(-1, 3))
+
+    def probed(
+        self, row: np.ndarray, column: np.ndarray
+    ) -> tuple[Float[np.ndarray, "pair channel"], Int[np.ndarray, " differing"]]:
+        """Return the mean light of the probes of pairs, and pairs whose probes differ.
+
+        Light is transmittance times cosine.
+        """
+        count = self._job.first_rays
+        with launching():
+            share, cosine = self._traced(row, column, self._probes, count)
+            dr.eval(share, cosine)
+            found = np.stack([each.numpy() for each in share], axis=-1)
+            weight = cosine.numpy()
+        rays, light = (
+            found.reshape(len(row), count, -1),
+            np.zeros((len(row), len(share))),
+        )
+
+        # Most sensors are in the shade of most suns
+        lit = np.flatnonzero(rays.any(axis=(1, 2)))
+        rays = rays[lit]
+        light[lit] = (rays * weight.reshape(-1, count, 1)[lit]).mean(axis=1)
+        low, high = rays.min(axis=1), rays.max(axis=1)
+        return light, lit[np.any(high - low > _DIFFERENT * high, axis=1)]
+
+    def means(
+        self, row: np.ndarray, column: np.ndarray
+    ) -> Float[np.ndarray, "pair batch channel"]:
+        """Return the mean light of all sample points of pairs, by batch."""
+        batches, points = self._job.batches, self._job.points
+        with launching():
+            share, cosine = self._traced(row, column, self._points, batches * points)
+            light = [dr.block_sum(each * cosine, points) for each in share]
+            dr.eval(light)
+            found = np.stack([each.numpy() for each in light], axis=-1)
+        return found.reshape(len(row), batches, -1).astype(float) / points
+
+    def _traced(
+        self, row: np.ndarray, column: np.ndarray, points: mi.Vector3f, count: int
+    ) -> tuple[list[mi.Float], mi.Float]:
+        # Transmittance by channel, and cosine, of rays to `count` points of the source;
+        # the rays of a pair one after the other
+        ray = dr.arange(mi.UInt32, len(row) * count)
+        pair = ray // count
+        source = dr.gather(mi.UInt32, on_device(mi.UInt32, column), pair)
+        sensor = dr.gather(mi.UInt32, on_device(mi.UInt32, row), pair)
+        towards = dr.gather(mi.Vector3f, points, source * count + ray - pair * count)
+        start = dr.gather(mi.Point3f, self._position, sensor)
+        normal = dr.gather(mi.Vector3f, self._normal, sensor)
+        cosine = dr.maximum(dr.dot(normal, towards), 0)
+        active = cosine > 0
+        share = transmittance(self._model, start, along(towards), active)
+        channels = self._job.shape[3]
+        return [dr.select(active, share[c], 0) for c in range(channels)], cosine

@@ -9,6 +9,7 @@ from clerestory.engine.caustic_lobes import Caustics
 from clerestory.engine.conditional_evaluation import where_needed
 from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.emitter_sampling import SurfaceEmitters
+from clerestory.engine.light_behind_layers import expect_ratios
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.mirror_images import MirrorImages
 from clerestory.engine.next_event_estimation import Emission, Path, Source
@@ -20,7 +21,9 @@ from clerestory.engine.sun_sampling import Suns
 from clerestory.scene.model import Scene
 
 # Russian roulette applies to paths below this fraction of their initial throughput.
-_ROULETTE = 0.2
+# Dim paths reach bright windows: with 0.2, a picture of a room behind a BSDF took 1.2
+# times the work (time × variance), with 1.0 three times.
+_ROULETTE = 0.08
 
 
 @dataclass
@@ -54,6 +57,7 @@ class Illumination:
     def of(cls, scene: Scene, origin: Origin) -> "Illumination":
         """Return the illuminated scene, with translated coordinates around `origin`."""
         model = lower(scene, origin=origin)
+        expect_ratios(model, {})
         return cls(
             model,
             DistantEmitters.of(scene),

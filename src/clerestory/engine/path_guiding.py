@@ -18,11 +18,13 @@ from jaxtyping import Float, Int
 
 from clerestory.engine.guiding_cells import GuidingCells
 from clerestory.engine.illumination import Illumination
+from clerestory.engine.light_behind_layers import LayerPoints
 from clerestory.engine.path_tracer import SAMPLED_AT_START
 from clerestory.engine.pilot_paths import SurfacePoints
 from clerestory.engine.portals import Portals, Rectangles
 from clerestory.engine.sampler import PathNumbers, points, random_numbers
 from clerestory.engine.sinks import RadianceSink
+from clerestory.engine.sun_sampling import NOT_SAMPLED
 from clerestory.engine.upload import launching, vectors
 
 # Largest probability of sampling a portal instead of the BSDF; least probability of a
@@ -37,11 +39,16 @@ _SEGMENTS = 4
 
 
 def learned_portals(
-    scene: Illumination, windows: Rectangles, patches: Rectangles, places: SurfacePoints
+    scene: Illumination,
+    windows: Rectangles,
+    patches: Rectangles,
+    places: SurfacePoints,
+    layers: LayerPoints,
 ) -> Portals | None:
     """Return windows and sunlit areas as portals, with learned probabilities.
 
-    The second moments are measured at surface points of the room.
+    The second moments are measured at surface points of the room. The same pilot run
+    tells the choice between transmission and reflection at layers.
     """
     trial = Portals.uniform(windows + patches)
     if trial is None or len(places) == 0:
@@ -50,9 +57,11 @@ def learned_portals(
     point = vectors(mi.Point3f, places.point)
     normal = vectors(mi.Vector3f, places.normal)
     number = cells.number(point, normal).numpy()
+    samples = _pilot_samples(scene, trial, places, layers.places)
+    layers.apply(scene.model, samples[0][len(places) :].sum(axis=1))
     onward, sunlit = (
-        root_mean_squares(found, number, cells.count)
-        for found in _pilot_samples(scene, trial, places)
+        root_mean_squares(found[: len(places)], number, cells.count)
+        for found in samples
     )
     most = np.maximum(shares_of(onward[:, :-1]), shares_of(sunlit)).max(axis=0)
     kept = most > _LEAST
@@ -82,12 +91,15 @@ def _even(shares: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell par
 
 
 def _pilot_samples(
-    scene: Illumination, portals: Portals, places: SurfacePoints
+    scene: Illumination,
+    portals: Portals,
+    room: SurfacePoints,
+    layers: SurfacePoints,
 ) -> tuple[Float[np.ndarray, "place part"], Float[np.ndarray, "place portal"]]:
     # Irradiance at each point from one sample towards each portal and one elsewhere: by
     # a continued path (without next-event estimation at the point), and by a ray to
-    # sunlit surfaces
-    parts = portals.count + 1
+    # sunlit surfaces. No rays to sunlit surfaces are sampled at layers
+    parts, places = portals.count + 1, room + layers
     every = dr.opaque(mi.UInt32, portals.count)
     lanes = dr.arange(mi.UInt32, len(places) * parts)
     place, part = lanes // (every + 1), lanes % (every + 1)
@@ -109,8 +121,10 @@ def _pilot_samples(
     works = (cosine > 0) & (weight > 0)
     numbers = PathNumbers(points(0, 1), lanes, mi.UInt32(0), mi.UInt32(0))
     tracer, sink = scene.tracer(portals), RadianceSink()
+    in_room = place < dr.opaque(mi.UInt32, len(room))
     with launching():
-        path = tracer.path(ray, 1, SAMPLED_AT_START, sunlit=1)
+        sought = dr.select(in_room, 1, mi.Float(NOT_SAMPLED))
+        path = tracer.path(ray, 1, SAMPLED_AT_START, sunlit=sought)
         onward = tracer.trace(sink, path, numbers, _SEGMENTS, works)
         sunlit = mi.Color3f(0)
         if scene.distant.suns:

@@ -65,7 +65,8 @@ class PathTracer:
 
     Attributes
     ----------
-    roulette : fraction of the initial throughput below which Russian roulette applies
+    roulette : fraction of the throughput at the start, or behind the last surface that
+        transmitted the path, below which Russian roulette applies
     caustics : cones of focused sunlight; None if no surface focuses any
     direct_only : whether paths end at the first surface, where sources are sampled by
         next-event estimation only
@@ -229,8 +230,11 @@ class PathTracer:
                     other = (order > 0) | after.delta
                     order = dr.select(after.null, order, dr.select(other, 2, 1))
 
-                # Russian roulette; paths along a cone of sunlight carry little until
-                # they find the sun
+                # Russian roulette; transmitted paths and those along a cone of sunlight
+                # carry little until they find the bright sky or the sun
+                through = dr.dot(after.direction, si.n) * si.wi.z < 0
+                through &= active & (strength > 0)
+                strongest = dr.select(through, strength, strongest)
                 if dr.hint(self.caustics is not None, mode="scalar"):
                     narrow = (after.densities.path > _NARROW) & (strength > 0)
                     strongest = dr.select(narrow, strength, strongest)

@@ -80,7 +80,8 @@ class Portals:
     ----------
     slots : number of rectangle slots in kernels; surplus slots are empty
     facing : normal times area, edge_u × edge_v [m²]
-    across, upwards : edges divided by their squared lengths [1/m]
+    planes : of each slot, as single values, which kernels read faster than elements of
+        arrays: `facing`, corner, and edges divided by their squared lengths [1/m]
     share, sunlit : probability of each rectangle for continued paths, and for rays
         towards sunlit surfaces
     chance : probability that a path continues towards any rectangle
@@ -91,8 +92,7 @@ class Portals:
     slots: int
     rectangles: Parallelograms
     facing: mi.Vector3f
-    across: mi.Vector3f
-    upwards: mi.Vector3f
+    planes: list[tuple[mi.Vector3f, ...]]
     cells: GuidingCells
     share: mi.Float
     sunlit: mi.Float
@@ -113,13 +113,17 @@ class Portals:
         slots = -(-count // _TOGETHER) * _TOGETHER
         empty = ((0, 0), (0, slots - count))
         every = rectangles + Rectangles.none(slots - count)
+        facing = np.cross(every.edge_u, every.edge_v)
+        across, upwards = _inverse(every.edge_u), _inverse(every.edge_v)
         return cls(
             count,
             slots,
             Parallelograms.of(*astuple(every)),
-            vectors(mi.Vector3f, np.cross(every.edge_u, every.edge_v)),
-            vectors(mi.Vector3f, _inverse(every.edge_u)),
-            vectors(mi.Vector3f, _inverse(every.edge_v)),
+            vectors(mi.Vector3f, facing),
+            [
+                tuple(vectors(mi.Vector3f, row[None]) for row in plane)
+                for plane in zip(facing, every.corner, across, upwards, strict=True)
+            ],
             cells,
             on_device(mi.Float, np.pad(share, empty)),
             on_device(mi.Float, np.pad(sunlit, empty)),
@@ -160,12 +164,8 @@ class Portals:
     def met(self, origin, direction):
         """Return the rectangles hit by a ray, as bits of 32-bit integers."""
         found = mi.UInt32(0)
-        for number in range(self.slots):
-            one = mi.UInt32(number)
-            across = dr.gather(mi.Vector3f, self.across, one)
-            upwards = dr.gather(mi.Vector3f, self.upwards, one)
-            facing = dr.gather(mi.Vector3f, self.facing, one)
-            corner = dr.gather(mi.Point3f, self.rectangles.corner, one) - origin
+        for number, (facing, start, across, upwards) in enumerate(self.planes):
+            corner = start - origin
             along = dr.dot(facing, direction)
             distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)
             place = direction * distance - corner

@@ -12,6 +12,7 @@ from clerestory.engine.camera_rays import CameraRays
 from clerestory.engine.illumination import Illumination
 from clerestory.engine.image_probabilities import with_learned_images
 from clerestory.engine.learned_caustics import learned_caustics
+from clerestory.engine.light_behind_layers import LayerPoints
 from clerestory.engine.origin import Origin
 from clerestory.engine.path_guiding import learned_portals
 from clerestory.engine.path_tracer import SAMPLED_AT_START, PathTracer, segments_of
@@ -167,7 +168,8 @@ def radiance_tracer(
     places = sample_surfaces(illuminated.model, pilots())
     illuminated = with_learned_images(illuminated, places, sensors)
     patches = sun_patches(illuminated, places)
-    portals = learned_portals(illuminated, windows, patches, places)
+    layers = LayerPoints.of(scene, origin)
+    portals = learned_portals(illuminated, windows, patches, places, layers)
     caustics = learned_caustics(scene, illuminated, origin, sensors)
     splits = _splits_lobes(scene, bounces)
     return illuminated.tracer(portals, caustics, split_lobes=splits)

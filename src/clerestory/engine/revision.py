@@ -5,7 +5,7 @@ increments the revision if the code that matrices depend on has changed, as requ
 a test.
 """
 
-ESTIMATOR_REVISION = 46
+ESTIMATOR_REVISION = 50
 
 # SHA-256 of the sources of this revision
-ESTIMATOR_DIGEST = "b04f1c0efe914901df52b716ad26ea1b15bf691fc61b36311f0457d75ac4630a"
+ESTIMATOR_DIGEST = "ba565856a27be6d7e7bc34689478743739d26dc2c16dd64f8f51a3ccec53576f"

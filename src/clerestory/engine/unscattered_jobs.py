@@ -18,7 +18,7 @@ from clerestory.engine.work_units import Unit, UnitSize, evenly_spaced
 from clerestory.scene.sensors import Sensors
 
 # Largest number of parallel rays (lanes) in one work unit
-_LANES = 1 << 21
+LANES = 1 << 21
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -27,6 +27,9 @@ class UnscatteredJob(EstimatedJob):
 
     Each column has one source; `directions` are unit vectors to sample points of the
     source, batch by batch. `samples` is the number of rays per sensor and source.
+    If there are `probes`, directions to other points of the source, the samples are
+    traced only for pairs of sensor and source whose probes differ in transmittance,
+    such as sensors in the penumbra of the sun; other pairs get the mean of the probes.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
@@ -35,6 +38,7 @@ class UnscatteredJob(EstimatedJob):
     samples: int
     sensors: Sensors
     directions: Float[np.ndarray, "column point 3"]
+    probes: Float[np.ndarray, "column probe 3"] | None = None
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
@@ -48,6 +52,13 @@ class UnscatteredJob(EstimatedJob):
         return -(-self.samples // self.batches)
 
     @property
+    def first_rays(self) -> int:
+        """Number of rays that are traced for each pair of sensor and source."""
+        return (
+            self.batches * self.points if self.probes is None else self.probes.shape[1]
+        )
+
+    @property
     def receivers(self) -> int:
         """Number of pairs of a sensor (row) and a source (column)."""
         return self.shape[0] * self.shape[2]
@@ -55,7 +66,7 @@ class UnscatteredJob(EstimatedJob):
     def pilot_unit(self, paths: int) -> Unit:
         """Return a pilot unit of consecutive rows and evenly spaced columns."""
         rows, _, columns, _ = self.shape
-        pairs = max(1, paths // (self.batches * self.points))
+        pairs = max(1, paths // self.first_rays)
         few = evenly_spaced(columns, max(1, min(pairs, max(8, pairs // rows))))
         block = max(1, min(rows, pairs // max(1, len(few))))
         first = (rows - block) // 2
@@ -75,8 +86,9 @@ class UnscatteredJob(EstimatedJob):
         """Divide the rows and columns of the matrix into work units."""
         del size
         columns = np.arange(self.shape[2])
-        block = max(1, min(len(rows), _LANES // self.samples))
-        every = max(1, _LANES // (self.samples * block))
+        pairs = max(1, LANES // self.first_rays)
+        block = min(len(rows), pairs)
+        every = max(1, pairs // block)
         for start in range(0, len(columns), every):
             for at in range(0, len(rows), block):
                 chosen = rows[at : at + block], columns[start : start + every]

@@ -25,6 +25,8 @@ from clerestory.checks import require
 class RingPartition:
     """A hemisphere divided into rings, each divided into equal patches.
 
+    Partitions are equal if all their patches are; names are ignored.
+
     Attributes
     ----------
     name : name of the partition in files and messages
@@ -57,6 +59,19 @@ class RingPartition:
 
     def __len__(self) -> int:
         return int(self.count.sum())
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RingPartition):
+            return NotImplemented
+        return self._patches == other._patches
+
+    def __hash__(self) -> int:
+        return hash(self._patches)
+
+    @property
+    def _patches(self) -> tuple[str, bytes, bytes]:
+        count, theta = self.count.astype(np.int64), self.theta.astype(np.float64)
+        return self.azimuth, count.tobytes(), theta.tobytes()
 
     @property
     def first(self) -> Indices:

@@ -55,6 +55,7 @@ from clerestory.phases.receivers import (
 from clerestory.phases.recent_values import RecentValues
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.sky_product import lit_steps
+from clerestory.threads import computed_in_threads
 
 # Memory limits [bytes] of a block: exiting radiance with view matrices in memory and in
 # files, and result
@@ -95,6 +96,7 @@ class BlockwiseProduct:
     summed : whether blocks have the sum of the terms in place of each of them
     most_receivers, most_steps : maximum block size; by default limited by memory
     recent : products D S that several products have in common
+    threads : whether windows and blocks of receivers are computed in several threads
     """
 
     windows: Sequence[WindowMatrices]
@@ -108,6 +110,7 @@ class BlockwiseProduct:
     most_receivers: int | None = None
     most_steps: int | None = None
     recent: RecentValues = field(default_factory=RecentValues)
+    threads: bool = False
 
     def __post_init__(self) -> None:
         steps = len(self.skies.times)
@@ -135,8 +138,9 @@ class BlockwiseProduct:
             ]
             bytes_each = 4 * len(self.weights) * layers * max(1, len(inside))
             fits = max(16, _RECEIVED // bytes_each)
-            for rows in _row_blocks(parts, self.count, self.most_receivers or fits):
-                yield self._block(rows, times, inside - times.start, factors)
+            own = partial(self._block, times, inside - times.start, factors)
+            rows = _row_blocks(parts, self.count, self.most_receivers or fits)
+            yield from (computed_in_threads if self.threads else map)(own, rows)
 
     @cached_property
     def _kinds(self) -> tuple[Int[np.ndarray, "kind window"], Int[np.ndarray, " time"]]:
@@ -192,6 +196,7 @@ class BlockwiseProduct:
                 self.weights,
                 errors=self.errors,
                 arriving=partial(self._arriving, term, inside),
+                threads=self.threads,
             )
             views = [chain.view for chain in found]
             yield Factor((number, 0), term.sign, views, passed, every)
@@ -234,17 +239,16 @@ class BlockwiseProduct:
     ) -> tuple[Readable, Light]:
         # C and the sky radiance, or C_ds and the direct normal irradiance
         if term.part == "sun" and skies.suns is not None:
-            assert isinstance(matrix, TransferMatrix)
             columns, suns = shining_columns(matrix, skies.suns.select(steps))
             return columns, SunLight(suns, self.weights)
         return matrix, SkyLight(skies.patches(term).select(steps), self.weights)
 
     def _block(
         self,
-        rows: slice,
         times: slice,
         steps: Int[np.ndarray, " step"],
         factors: Sequence[Factor | SunlightFactor],
+        rows: slice,
     ) -> Block:
         terms = 1 if self.summed else len(self.terms)
         shape = terms, len(self.weights), rows.stop - rows.start, len(steps)

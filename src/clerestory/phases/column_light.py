@@ -23,6 +23,7 @@ from clerestory.phases.receivers import chain_components, channel_count, side_by
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_product import fold
 from clerestory.sky.sun_matrix import SunMatrix
+from clerestory.threads import computed_in_threads
 
 # Distance of the receivers by which columns of a matrix that are not zero are found
 _SOME = 32
@@ -62,8 +63,7 @@ class PatchLight:
     def received(self, matrix: Layers) -> Received:
         """Multiply a matrix and its error components by the radiance."""
         values = self.values
-        # Receivers of one room, with windows of all rooms; some receivers mostly
-        # suffice to tell
+        # Receivers of one room, with windows of all rooms; mostly some suffice to tell
         if _seen(matrix[:, :, ::_SOME]).mean() < 0.5:
             seen = _seen(matrix)
             if seen.mean() < 0.5:
@@ -120,9 +120,8 @@ class SkyLight:
         """Multiply a matrix and its error components by the radiance."""
         layers, _, rows, _ = matrix.shape
         shape = layers, rows, len(self.sky.times)
-        products = (
-            sky_product(matrix, self.sky, w).reshape(shape) for w in self.weights
-        )
+        multiply = partial(sky_product, matrix, self.sky)
+        products = (multiply(w).reshape(shape) for w in self.weights)
         if len(self.weights) == 1:
             return next(products)[:, None]
         found = np.empty((layers, len(self.weights), *shape[1:]), np.float32)
@@ -176,7 +175,7 @@ def sky_product(
     """Return the product of matrices and sky radiance, as a weighted sum of bands."""
     patches = values.shape[-1]
     shape = len(weights), patches
-    if values.shape[-3] == 1:
+    if values.shape[-3] == 1 and any(one.diffuse.any() for one in sky.parts):
         return np.asarray(values.reshape(-1, patches) @ _weighted(sky, weights))
     found = np.zeros((values[..., 0, :, 0].size, len(sky.times)), np.float32)
     for one in sky.parts:
@@ -211,18 +210,18 @@ def exiting_light(
     *,
     errors: bool = True,
     arriving: "Arriving | None" = None,
+    threads: bool = False,
 ) -> PatchLight:
     """Return the exiting radiance T(t) D S(t) of all windows.
 
-    `arriving` returns D S, by default computed here.
+    `arriving` returns D S, by default computed here; `threads`: windows in threads.
     """
     summed = len(weights) == 1
     channels = 1 if summed and all(map(_is_grey, chains)) else weights.shape[1]
     each = weights if channels == 1 or not summed else np.diag(weights[0])
-    parts = [
-        _exiting(chain, sky, state, each, errors=errors, arriving=arriving or _arriving)
-        for chain, state in zip(chains, states, strict=True)
-    ]
+    make = partial(_exiting, sky, each, errors=errors, arriving=arriving or _arriving)
+    windows = zip(chains, states, strict=True)
+    parts = list((computed_in_threads if threads else map)(make, windows))
     values = np.concatenate([part[0] for part in parts], axis=1)
     return PatchLight(values, tuple(part[1:] for part in parts), summed)
 
@@ -235,15 +234,16 @@ def _is_grey(chain: MatrixChain) -> bool:
 
 
 def _exiting(
-    chain: MatrixChain,
     sky: SkyMatrix,
-    state: Int[np.ndarray, " step"],
     weights: Float[np.ndarray, "channel band"],
+    window: tuple[MatrixChain, Int[np.ndarray, " step"]],
     *,
     errors: bool,
     arriving: "Arriving",
 ) -> Float32[np.ndarray, "layer channel patch step"]:
-    # Radiance and error components; D S is computed once for all states with equal D
+    # Radiance and error components of a window, given its matrices and shade states.
+    # D S is computed once for all states with equal D
+    chain, state = window
     layers = 1 + (chain_components(chain) if errors else 0)
     patches = chain.factors[0][0].rows.size
     found = np.zeros((layers, len(weights), patches, len(state)), np.float32)

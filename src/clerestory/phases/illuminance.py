@@ -75,6 +75,7 @@ def illuminance(
         axis.size,
         errors=errors,
         recent=recent or RecentValues(),
+        threads=True,
     )
     names = ["illuminance", "standard_error"]
     names += [term.name for term in terms] if len(terms) > 1 else []

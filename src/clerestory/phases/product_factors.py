@@ -11,6 +11,7 @@ from clerestory.phases.column_light import Light, PatchLight, SkyLight, add_sign
 from clerestory.phases.matrix_equation import Readable
 from clerestory.phases.received_sunlight import ReceivedSunlight
 from clerestory.phases.receivers import SkyCoefficients, side_by_side
+from clerestory.phases.stored_views import StoredColumns
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,7 @@ class Factor:
         if isinstance(self.matrices[0], SkyCoefficients):
             return self.source[0], -1
         same = isinstance(self.light, SkyLight)
-        same &= isinstance(self.matrices[0], TransferMatrix)
+        same &= isinstance(self.matrices[0], TransferMatrix | StoredColumns)
         return (-1, self.source[1]) if same else self.source
 
     def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:

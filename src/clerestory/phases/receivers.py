@@ -10,7 +10,7 @@ from functools import reduce
 from operator import matmul
 
 import numpy as np
-from jaxtyping import Float, Float32, Int
+from jaxtyping import Float32, Int
 
 from clerestory.bands import common_bands
 from clerestory.matrix.transfer_matrix import Entries, TransferMatrix
@@ -26,17 +26,16 @@ from clerestory.sky.sun_matrix import SunMatrix
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Selected columns of a coefficient matrix in memory."""
+    """Selected columns of a coefficient matrix."""
 
-    values: Float[np.ndarray, "channel row column"]
-    components: Float[np.ndarray, "component channel row column"] | None
+    matrix: Readable
     selected: Int[np.ndarray, " some"]
 
     def read(self, rows: slice) -> Entries:
         """Return a range of rows and their error components."""
-        parts = self.components
-        return self.values[:, rows][..., self.selected], (
-            None if parts is None else parts[:, :, rows][..., self.selected]
+        values, parts = self.matrix.read(rows)
+        return values[..., self.selected], (
+            None if parts is None else parts[..., self.selected]
         )
 
 
@@ -165,12 +164,10 @@ def _operations(
     return before, behind
 
 
-def shining_columns(
-    matrix: TransferMatrix, suns: SunMatrix
-) -> tuple[Columns, SunMatrix]:
+def shining_columns(matrix: Readable, suns: SunMatrix) -> tuple[Columns, SunMatrix]:
     """Return the columns of suns with irradiance > 0, and these suns."""
     shining = np.unique(suns.direct_normal.tocoo().coords[0])
-    return Columns(matrix.values, matrix.components, shining), suns.rows_at(shining)
+    return Columns(matrix, shining), suns.rows_at(shining)
 
 
 def layers_of(found: Sequence[MatrixChain], *, errors: bool) -> int:

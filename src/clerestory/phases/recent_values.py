@@ -8,6 +8,7 @@ bytes.
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
+from threading import RLock
 from typing import Any, TypeVar
 
 Value = TypeVar("Value")
@@ -16,6 +17,8 @@ Value = TypeVar("Value")
 @dataclass(eq=False)
 class RecentValues:
     """Values by key, the most recently used last; without `most_bytes`, none is kept.
+
+    Several threads may ask for values.
 
     >>> recent = RecentValues(most_bytes=100)
     >>> [recent.value("a", lambda: 3, size=60), recent.value("a", lambda: 4, size=60)]
@@ -26,6 +29,7 @@ class RecentValues:
 
     most_bytes: float = 0.0
     _kept: OrderedDict[Hashable, tuple[Any, float]] = field(default_factory=OrderedDict)
+    _lock: Any = field(default_factory=RLock)
 
     def value(
         self,
@@ -45,15 +49,19 @@ class RecentValues:
         if not self.most_bytes:
             return make()
         whole = (key, *map(id, of))
-        if whole not in self._kept:
+        with self._lock:
+            kept = self._kept.get(whole)
+        if kept is None:
             made = make()
             taken = size(made) if callable(size) else size
             # The objects in `of` are kept too, so that no other object gets their id
-            self._kept[whole] = ((made, of), taken)
-        self._kept.move_to_end(whole)
-        found: Value = self._kept[whole][0][0]
-        while len(self._kept) > 1 and self._total() > self.most_bytes:
-            self._kept.popitem(last=False)
+            kept = (made, of), taken
+        with self._lock:
+            self._kept[whole] = kept
+            self._kept.move_to_end(whole)
+            while len(self._kept) > 1 and self._total() > self.most_bytes:
+                self._kept.popitem(last=False)
+        found: Value = kept[0][0]
         return found
 
     def _total(self) -> float:

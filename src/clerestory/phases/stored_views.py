@@ -1,8 +1,9 @@
-"""View matrices larger than memory, stored in blocks of sensors.
+"""Matrices of sensors larger than memory, stored in blocks of sensors.
 
-Each file contains the rows of one block of sensors, with the columns of all windows, in
-single precision. Only one block at a time is in memory. Each block is stored as soon
-as it is traced, so that an interrupted run resumes with the next block.
+Each file contains the rows of one block of sensors, with the columns of all windows or
+of all sky patches, in single precision. Only one block at a time is in memory. Each
+block is stored as soon as it is traced, so that an interrupted run resumes with the
+next block.
 
 The sixteen batches of paths are merged into four, which give four error components. The
 expected variance is unchanged. Fewer error components need less memory and time, but
@@ -20,9 +21,8 @@ from jaxtyping import Float, Float32, Int
 
 from clerestory.bands import Bands
 from clerestory.brief_repr import brief
-from clerestory.engine.controller import estimate_rows, row_blocks
+from clerestory.engine.controller import EstimatedJob, estimate_rows, row_blocks
 from clerestory.engine.effort import Effort, EffortKeywords
-from clerestory.engine.matrix_jobs import ViewJob
 from clerestory.matrix.axis import Axis, sensor_axis, unknown_axis
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.transfer_matrix import Entries, TransferMatrix, require_matrix
@@ -44,7 +44,7 @@ FEW = 4
 
 @dataclass(frozen=True, eq=False)
 class StoredViews:
-    """View matrices in files, one for each block of sensors."""
+    """Matrices in files, one for each block of sensors."""
 
     files: tuple[Path, ...]
     blocks: tuple[slice, ...]
@@ -94,16 +94,19 @@ class StoredViews:
         return np.concatenate(parts, axis=1)
 
     def _block(self, number: int) -> TransferMatrix:
-        # Keep the last block in memory, as it is read once for each window
-        if number not in self._last:
+        # Keep the last block in memory, as it is read once for each window. Threads may
+        # read different blocks
+        found = self._last.get(number)
+        if found is None:
+            found = read_netcdf(self.files[number])
             self._last.clear()
-            self._last[number] = read_netcdf(self.files[number])
-        return self._last[number]
+            self._last[number] = found
+        return found
 
 
 @dataclass(frozen=True, eq=False)
 class StoredColumns:
-    """View matrix of one window group: columns of `views` from index `first` on."""
+    """Matrix of one window group or sky: columns of `views` from index `first` on."""
 
     views: StoredViews
     columns: Axis
@@ -118,7 +121,7 @@ class StoredColumns:
 
     @property
     def part(self) -> slice:
-        """Columns of this window group among the columns of all window groups."""
+        """Columns of this matrix among all columns in the files."""
         return slice(self.first, self.first + self.columns.size)
 
     def read(self, rows: slice) -> Entries:
@@ -154,10 +157,23 @@ def store_views(
     effort = replace(matrix_effort(store_views, keywords), components=True)
     job = view_job(scene, windows, sensors, effort)
     rows = tuple(row_blocks(job))
-    return StoredViews(store(rows, partial(_traced_block, job, effort)), rows)
+    make = partial(traced_block, job, effort, what="view matrices")
+    return StoredViews(store(rows, make), rows)
 
 
-def _traced_block(job: ViewJob, effort: Effort, rows: slice) -> TransferMatrix:
+def traced_block(
+    job: EstimatedJob,
+    effort: Effort,
+    rows: slice,
+    *,
+    what: str,
+    arrange: Callable[[np.ndarray], np.ndarray] = np.asarray,
+) -> TransferMatrix:
+    """Return a block of rows of a matrix, in single precision with few components.
+
+    `what` is the name of the matrix in messages; `arrange` rearranges the columns of
+    the values and of the error components.
+    """
     _, _, columns, channels = job.shape
     axes = sensor_axis(rows.stop - rows.start), unknown_axis(columns)
     # A dry run records the job and needs no memory
@@ -165,7 +181,7 @@ def _traced_block(job: ViewJob, effort: Effort, rows: slice) -> TransferMatrix:
         shape = channels, axes[0].size, columns
         blank = np.broadcast_to(np.float32(0), (FEW, *shape))
         return TransferMatrix(blank[0], *axes, blank, job.scene.bands)
-    first, whole = rows.start, job.receivers
+    first, whole = rows.start, job.shape[0]
     progress = share_of_progress(
         effort.progress,
         first / whole,
@@ -173,11 +189,10 @@ def _traced_block(job: ViewJob, effort: Effort, rows: slice) -> TransferMatrix:
         f"{first:,} of {whole:,} sensors",
     )
     block = estimate_rows(job, rows, replace(effort, progress=progress))
-    what = f"view matrices of sensors {first + 1} to {rows.stop}"
-    warn_if_short(block, what, effort)
+    warn_if_short(block, f"{what} of sensors {first + 1} to {rows.stop}", effort)
     assert block.components is not None
     values, few = block.values.astype(np.float32), pooled(block.components, FEW)
-    return TransferMatrix(values, *axes, few, job.scene.bands)
+    return TransferMatrix(arrange(values), *axes, arrange(few), job.scene.bands)
 
 
 def pooled(

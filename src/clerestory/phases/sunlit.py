@@ -6,8 +6,7 @@ miss, are traced for the suns in question.
 """
 
 import itertools
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -185,13 +184,9 @@ class SunlitReceivers:
             found.append(unscattered.of(suns, irradiance, **how))
         return found
 
-    @cached_property
+    @property
     def _beam_tracer(self) -> Any:
-        job = self.paths.job
-        engine: Any = self.paths.engine("beam_tracer")
-        return engine.BeamTracer(
-            replace(job, scene=self.window.scene), self.window.number
-        )
+        return self.paths.beam_tracer(self.window.number, self.window.scene)
 
     def disc(
         self, weights: Float[np.ndarray, "out band"]

@@ -7,6 +7,7 @@ Straight rays are attenuated by clear glass and blocked by all other surfaces. C
 C_ds are for the direct correction of the two-phase method.
 """
 
+from collections.abc import Callable
 from typing import Any, Unpack
 
 import numpy as np
@@ -32,6 +33,11 @@ from clerestory.sky.solar_disc import disc_points
 # Default number of rays per sensor and sky patch, and per sensor and sun
 _PATCH_SAMPLES, _SUN_SAMPLES = 32, 64
 
+# Probes of the solar disc: eight at 0.99 and four at half of its radius, as shares of
+# the area within and angles in turns
+_DEPTH = np.repeat([0.99**2, 0.5**2], [8, 4])
+_ANGLE = np.concatenate([np.arange(8) / 8, np.arange(0.5, 4) / 4])
+
 
 def unscattered_coefficients(
     scene: Scene,
@@ -47,7 +53,7 @@ def unscattered_coefficients(
     effort = sun_effort(unscattered_coefficients, keywords, samples=_PATCH_SAMPLES)
     sky = reinhart(subdivision)
     directions = _in_patches(sky.dome, _points(len(sky.dome), effort))
-    found = _traced(scene, sensors, directions, effort)
+    found = _traced(_job(scene, sensors, directions, effort), effort)
     # Irradiance per patch radiance; zero for the ground, which is patch 0
     angle = sky.dome.solid_angles()
     values, components = (
@@ -66,14 +72,34 @@ def unscattered_sun(
 ) -> TransferMatrix:
     """Direct-sun coefficients C_ds: irradiance per direct normal irradiance.
 
-    `suns` are unit vectors, `samples` the number of rays per sensor and sun. The solar
-    disc has a diameter of 0.533°.
+    `suns` are unit vectors, `samples` the number of rays per sensor and sun whose disc,
+    of diameter 0.533°, is partly visible. Other discs are found by twelve rays, eight
+    of them to the rim: up to 3 % of a disc that is taken as visible may be hidden by a
+    straight edge, or conversely.
     """
-    effort = sun_effort(unscattered_sun, keywords, samples=_SUN_SAMPLES)
-    directions = disc_points(suns, _points(len(suns), effort))
-    values, components = _traced(scene, sensors, directions, effort)
+    job, effort = sun_job(unscattered_sun, scene, sensors, suns, keywords)
+    values, components = _traced(job, effort)
     axes = sensors_axis(sensors), sun_axis(len(suns))
     return TransferMatrix(values, *axes, components, scene.bands)
+
+
+def sun_job(
+    function: Callable[..., object],
+    scene: Scene,
+    sensors: Sensors,
+    suns: Float[np.ndarray, "sun 3"],
+    keywords: EffortKeywords,
+) -> tuple[UnscatteredJob, Effort]:
+    """Return the tracing job of `unscattered_sun`, and its effort.
+
+    `keywords` are those of the public function `function`.
+    """
+    effort = sun_effort(function, keywords, samples=_SUN_SAMPLES)
+    directions = disc_points(suns, _points(len(suns), effort))
+    turn = np.random.default_rng(effort.seed).random((len(suns), 1))
+    places = np.broadcast_to(_DEPTH, (len(suns), len(_DEPTH))), _ANGLE + turn
+    probes = disc_points(suns, np.stack(places, axis=-1))
+    return _job(scene, sensors, directions, effort, probes), effort
 
 
 def sun_visible(
@@ -113,20 +139,25 @@ def first_surfaces(
     return np.asarray(distance), np.asarray(normal)
 
 
-def _traced(
+def _job(
     scene: Scene,
     sensors: Sensors,
     directions: Float[np.ndarray, "column point 3"],
     effort: Effort,
-) -> tuple[np.ndarray, np.ndarray]:
-    # Transmittance times cosine, averaged over the directions in each patch or sun
-    job = UnscatteredJob(
+    probes: Float[np.ndarray, "column probe 3"] | None = None,
+) -> UnscatteredJob:
+    return UnscatteredJob(
         scene=scene,
         sensors=sensors,
         directions=directions,
         samples=directions.shape[1],
+        probes=probes,
         **effort.job_options(),
     )
+
+
+def _traced(job: UnscatteredJob, effort: Effort) -> tuple[np.ndarray, np.ndarray]:
+    # Transmittance times cosine, averaged over the directions in each patch or sun
     found = estimate(job, effort)
     assert found.components is not None
     return found.values, found.components

@@ -11,7 +11,7 @@ paths, which largely cancels in C_ds S_sun − V_d T D_d S_ds.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Unpack
 
@@ -113,6 +113,7 @@ class WindowPaths:
     records: tuple[Records, ...]
     traced: bool = True
     _products: dict[tuple[int, object], Any] = field(default_factory=dict)
+    _tracers: dict[tuple[int, Scene], Any] = field(default_factory=dict)
 
     __repr__ = brief
 
@@ -163,6 +164,18 @@ class WindowPaths:
                 self.records, zones, cells.find, len(cells.sizes)
             )
         return self._products[key]
+
+    def beam_tracer(self, number: int, scene: Scene) -> Any:
+        """Return the tracer of narrow beams through a window.
+
+        `scene` contains what shades the window outside.
+        """
+        key = number, scene
+        if key not in self._tracers:
+            engine: Any = self.engine("beam_tracer")
+            job = replace(self.job, scene=scene)
+            self._tracers[key] = engine.BeamTracer(job, number)
+        return self._tracers[key]
 
 
 def _by_patch(

@@ -18,7 +18,7 @@ from clerestory.phases.receivers import (
     coefficients_cost_less,
     component_count,
 )
-from clerestory.phases.stored_views import FEW
+from clerestory.phases.stored_views import FEW, StoredColumns
 from clerestory.threads import linear_algebra_in_one_thread
 
 # Seconds per multiply-add with sky matrices and with window matrices, per matrix value
@@ -93,9 +93,12 @@ def product_seconds(
         elif isinstance(first, Sunlit):
             seconds += rows * steps * bands * samples * _PATH
         else:
-            each = layers * rows * (held.columns.size if held else steps)
+            axis = None
+            if isinstance(first, TransferMatrix | StoredColumns):
+                axis = first.columns
+            each = layers * rows * (axis.size if axis else steps)
             seconds += each * channels * len(chain.receiving) * _COPY
-            if held and held.columns.kind == "sky":
+            if axis and axis.kind == "sky":
                 seconds += each * bands * steps * _SKY
         seconds += layers * rows * steps * bands * _VALUE
     return seconds

@@ -14,12 +14,14 @@ import numpy as np
 from clerestory.engine.effort import Effort
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.direct_light import blackened
+from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import MatrixChain, WindowMatrices
 from clerestory.phases.methods import METHODS
 from clerestory.phases.separate_coefficients import (
     has_proxies,
     separate_coefficients,
 )
+from clerestory.phases.stored_coefficients import store_coefficients, store_sun
 from clerestory.phases.sun_coefficients import sun_coefficients
 from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.phases.unscattered_light import (
@@ -61,6 +63,45 @@ def _matrices(states: Sequence[_Coefficients]) -> WindowMatrices:
     C, C_d = zip(*states, strict=True)
     dark = [matrix for matrix in C_d if matrix is not None]
     return WindowMatrices(MatrixChain(C), MatrixChain(tuple(dark)) if dark else None)
+
+
+def stored_coefficients(
+    job: Job, suns: SunMatrix | None, *, direct: bool
+) -> WindowMatrices:
+    """Return C, C_d and C_ds of a scene with glazing, in files of blocks of sensors.
+
+    C_d if `direct`, C_ds if there are `suns`.
+    """
+    sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
+    effort = job.effort()
+    key = fingerprint(
+        "coefficients", job.scene_key, sensors, subdivision, direct, effort
+    )
+    found = store_coefficients(
+        partial(job.blocks, "coefficients", key),
+        job.scene,
+        sensors=sensors,
+        subdivision=subdivision,
+        direct=direct,
+        effort=effort,
+        progress=job.display("daylight coefficients"),
+    )
+    chains = [MatrixChain((columns,)) for columns in found]
+    sun = None
+    if suns is not None:
+        effort = _sun_effort(job)
+        key = fingerprint("sun", job.scene_key, sensors, suns.directions, effort)
+        columns = store_sun(
+            partial(job.blocks, "sun", key),
+            job.scene,
+            sensors=sensors,
+            suns=suns.directions,
+            rows=found[0].views.blocks,
+            effort=effort,
+            progress=job.display("direct sun"),
+        )
+        sun = MatrixChain((columns,))
+    return WindowMatrices(chains[0], chains[1] if direct else None, sun)
 
 
 def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:

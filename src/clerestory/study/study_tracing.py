@@ -35,7 +35,11 @@ from clerestory.sky.sky_conditions import Spectrum
 from clerestory.study.differentiated_materials import checked_materials
 from clerestory.study.job import STATE, Job
 from clerestory.study.memory_size import is_stored, most_sensors
-from clerestory.study.study_coefficients import coefficients, direct_suns
+from clerestory.study.study_coefficients import (
+    coefficients,
+    direct_suns,
+    stored_coefficients,
+)
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_skies import needs_direct, study_suns
 from clerestory.study.window_groups import WindowGroup, state_label
@@ -71,9 +75,11 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
         black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
     if method.windows:
         windows = _windows(job, black, direct=direct, stored=stored)
+    elif stored:
+        windows = [stored_coefficients(job, suns, direct=direct)]
     else:
         windows = coefficients(job, direct=direct)
-    if suns is not None:
+    if suns is not None and not stored:
         sunlit = zip(windows, direct_suns(black, suns), strict=True)
         windows = [replace(window, sun=sun) for window, sun in sunlit]
     if not stored:

@@ -1,5 +1,7 @@
 """Partitions of the hemisphere: they fill it and count as their peers do."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -26,6 +28,16 @@ def test_klems_bases_have_the_patches_of_window(basis, count):
 def test_skies_have_reinharts_patches_and_the_ground(subdivision, count):
     """Counts of design and of Radiance's reinhart.cal."""
     assert len(reinhart(subdivision)) == count + 1
+
+
+@pytest.mark.parametrize("basis", BASES)
+def test_partitions_with_the_same_patches_are_equal(basis):
+    one, other = klems(basis), replace(klems(basis), name="of a file")
+    assert one == other
+    assert len({one, other, *map(klems, BASES)}) == len(BASES)
+    assert one != replace(one, azimuth="compass")
+    assert one != replace(one, theta=one.theta * (1 - 1e-9))
+    assert one != basis
 
 
 @pytest.mark.parametrize("basis", BASES)

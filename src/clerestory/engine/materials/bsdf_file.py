@@ -7,6 +7,10 @@ the surface normal, which points into the room.
 
 With `peak`, direct transmission is separated from the other data, as by Radiance's
 aBSDF: light and shadow rays pass undeflected, as through a pane.
+
+Transmission and reflection are sampled in proportion to the light scattered from a
+uniform radiance. A ratio of the radiances behind and in front changes the proportion
+(`expect`), not the values.
 """
 
 import itertools
@@ -119,6 +123,7 @@ def define() -> type:
             self.front = colour(props, "front", 0.0)
             self.back = colour(props, "back", 0.0)
             self.transmission = colour(props, "transmission", 0.0)
+            self.behind = dr.opaque(mi.Float, 1)
             self.sharp = bool(props.get("peak", False))
             self.peak = None
             self._flag()
@@ -168,6 +173,10 @@ def define() -> type:
             straight = mi.Float(0)
             if self.peak is not None:
                 straight = dr.max(self.peak.transmittance(wi))
+            beyond = dr.select(room, self.behind, 1 / self.behind)
+            passed, through, straight = (
+                each * beyond for each in (passed, through, straight)
+            )
             total = passed + mirrored + spread + through + straight
             scale = dr.select(total > 0, 1 / total, 0)
             chances = [passed, mirrored, spread, through, straight]
@@ -238,6 +247,11 @@ def define() -> type:
             return self.peak.transmittance(wi)
 
     return BsdfFile
+
+
+def expect(made, behind: float) -> None:
+    """Set the expected ratio of the radiances behind and in front of a layer."""
+    made.behind = dr.opaque(mi.Float, behind)
 
 
 def vary(made, name: str, bsdf: Bsdf, origin) -> None:
