@@ -52,10 +52,7 @@ _PARTS = 4
 
 @dataclass
 class FilmRoom:
-    """A room behind a film at one moment, around the middle of its window.
-
-    `mixed` tells whether sun also comes straight through another part of the window.
-    """
+    """A room behind a film at one moment; `mixed` if a part of the window has none."""
 
     model: LoweredScene
     sky: DistantEmitters
@@ -161,12 +158,7 @@ def _borrowed(room: FilmRoom, point, pick):
 
 @dr.syntax
 def follow(room: FilmRoom, rng, ray, weight, sharp, active):
-    """Return the light along rays.
-
-    Parameters
-    ----------
-    sharp : whether an eye looks along the ray, which sees the sun beside the film
-    """
+    """Return the light along rays; `sharp` ones are of eyes, which see the sun."""
     model, sky = room.model, room.sky
     context = mi.BSDFContext()
 
