@@ -133,10 +133,10 @@ _REASONS = [
     " DL-L2). The same reason.",
     "- *S-L*: in the paper five phases are not ahead, and its authors suspect artefacts"
     " of the measured BSDF. Here, with a BSDF that is traced from the geometry, their"
-    " mean deviations are smaller in all quantities. That agrees with their suspicion, but does not prove"
-    " it: our microlouvre is not their sample.",
+    " mean deviations are smaller in all quantities. That agrees with their suspicion,"
+    " but does not prove it: our microlouvre is not their sample.",
     "- *Ref VB*: the slats block the sun; three phases let a part of it pass where a"
     " Klems patch extends across the cut-off angle. The paper names the same reason.",
-    "- *DGI* agrees less than DGP in the paper, and here in most set-ups, since it has no term of the"
-    " vertical illuminance: luminances of small sources count directly.",
+    "- *DGI* agrees less than DGP in the paper, and here in most set-ups, since it has"
+    " no term of the vertical illuminance: luminances of small sources count directly.",
 ]
