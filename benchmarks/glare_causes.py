@@ -128,8 +128,8 @@ def page(found: Arrays, cases: list[tuple[int, int]], variants: Arrays) -> str:
         f" {float(variants['seconds']):.0f} seconds of processor time: DGP of the"
         f" {len(cases)} cases of [the table](five-phase.md) in which five phases"
         " deviate most. *Truth* is made again with other random numbers. *Sky by path"
-        " tracing*: the sun by five phases, added to a picture of the sky that is traced through"
-        " the bars.",
+        " tracing*: the sun by five phases, added to a picture of the sky that is"
+        " traced through the bars.",
         "",
         f"| | {' | '.join(heads)} |",
         "|---|" + "---|" * len(heads),
