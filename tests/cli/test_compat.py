@@ -8,9 +8,13 @@ import subprocess
 import numpy as np
 import pytest
 
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.compat.programs import PROGRAMS, install_programs, run_program
 from clerestory.compat.streams import Streams
 from clerestory.errors import InputError
+from clerestory.hemisphere.klems import klems
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.matrix.radiance_format import read_matrix
@@ -93,6 +97,55 @@ def test_the_overhead_sun_has_its_solid_angle_as_coefficient(program):
     assert found.shape == (1, 146)
     assert found[0, 145] == pytest.approx(omega, rel=1e-3)
     assert found.sum() == pytest.approx(omega, rel=1e-3)
+
+
+SUN_OF_ZENITH = ["-e", "MF:1", "-f", "reinhart.cal", "-b", "rbin", "-m", "sun"]
+OMEGA = 2 * np.pi * (1 - np.cos(np.radians(0.533 / 2)))
+
+
+def plane(material, height, *, left=-50.0, down=True):
+    """A horizontal polygon in the Radiance format, from x = left to 50."""
+    corners = [(left, -50), (left, 50), (50, 50), (50, -50)][:: 1 if down else -1]
+    points = " ".join(f"{x} {y} {height}" for x, y in corners)
+    return f"{material} polygon at_{height} 0 0 12 {points}\n"
+
+
+@pytest.mark.parametrize(("edge", "whole"), [(0.001, 1), (-0.001, 0)])
+def test_without_jitter_the_sun_is_seen_whole_or_not(program, field, edge, whole):
+    """The edge hides a part of the disc of radius 4.65 mm at its distance of 1 m."""
+    (field / "sun.rad").write_text(FIELD + SUN + plane("black", 1, left=edge))
+    words = ["-I+", "-ab", 0, *SUN_OF_ZENITH, "sun.rad"]
+    found = program("rcontrib", "-dj", 0, *words)[0, 0, 145]
+    assert found == pytest.approx(whole * OMEGA, rel=1e-3, abs=1e-9)
+    found = program("rcontrib", "-dj", 0.9, *words)[0, 0, 145]
+    assert 0.3 * OMEGA < found < 0.7 * OMEGA
+
+
+@pytest.mark.parametrize(
+    ("thickness", "down", "scattered"),
+    [(0.1, True, 0.3), (-0.1, False, 0.3), (0.1, False, 0)],
+)
+@pytest.mark.parametrize("sheet", [True, False])
+def test_rays_of_sensors_meet_the_bsdf_of_a_proxy(
+    program, field, thickness, down, scattered, sheet
+):
+    """The sun shines through where there is no sheet; the BSDF scatters 0.3 of it.
+
+    Geometry is behind the front of a positive thickness, before that of a negative one.
+    Rays pass a BSDF whose geometry is not on its other side.
+    """
+    patches = klems("quarter")
+    even = np.full((len(patches), len(patches)), 0.3 / np.pi)
+    sides = "transmission_front", "transmission_back"
+    matrix = ScatteringMatrix(even, patches, patches)
+    write_bsdf("even.xml", Bsdf({("visible", side): matrix for side in sides}))
+    layer = f"void BSDF layer 6 {thickness} even.xml 0 1 0 . 0 0\n"
+    planes = plane("layer", 1, down=down) + sheet * plane("black", 1.05)
+    (field / "sun.rad").write_text(FIELD + SUN + layer + planes)
+    words = ["-I+", "-ab", 1, "-ad", 4096, *SUN_OF_ZENITH, "sun.rad"]
+    found = program("rcontrib", *words)[0, 0, 145]
+    expected = (0 if sheet else 1) + scattered
+    assert found == pytest.approx(expected * OMEGA, rel=0.03, abs=1e-9)
 
 
 def test_pictures_of_suns_are_columns_of_the_matrix(program, field):

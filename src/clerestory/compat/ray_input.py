@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from clerestory.checks import require
 from clerestory.compat.streams import ENCODINGS, Streams, read_rays
-from clerestory.compat.words import Word, whole
+from clerestory.compat.words import Word, reals, whole
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
@@ -27,7 +27,7 @@ from clerestory.scene.sensors import Sensors
 
 # Options with numbers of arguments; `IGNORED` has the others
 RAY_OPTIONS = {
-    **dict.fromkeys(("-ab", "-ad", "-c", "-x", "-y", "-o"), 1),
+    **dict.fromkeys(("-ab", "-ad", "-c", "-dj", "-x", "-y", "-o"), 1),
     **dict.fromkeys(("-I", "-i", "-h"), 0),
 }
 
@@ -43,6 +43,7 @@ class RayOptions:
     bounces : -ab
     directions : -ad, rays into the hemisphere at a surface
     count : -c, rays of each record, or samples of each bin of a sender
+    centred : with -dj 0, a sensor sees the sun if it sees the centre of its disc
     columns, rows : -x and -y, the resolution of pictures
     reading, writing : formats of input (a, f, d) and output (a, f, d, c)
     output : -o, name of output files; None for standard output
@@ -54,6 +55,7 @@ class RayOptions:
     bounces: int = 1
     directions: int = 350
     count: int = 1
+    centred: bool = False
     columns: int = 0
     rows: int = 0
     reading: str = "a"
@@ -72,6 +74,8 @@ class RayOptions:
                 return replace(self, directions=whole(word, program, least=1))
             case "-c":
                 return replace(self, count=whole(word, program, least=1))
+            case "-dj":
+                return replace(self, centred=reals(word, program)[0] == 0)
             case "-x":
                 return replace(self, columns=whole(word, program))
             case "-y":

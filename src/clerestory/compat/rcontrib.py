@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.checks import require
+from clerestory.compat.proxied_geometry import scattering_scenes
 from clerestory.compat.ray_input import RAY_OPTIONS, RayOptions, Table, write_columns
 from clerestory.compat.streams import Streams
 from clerestory.compat.visible_surfaces import by_surface
@@ -41,9 +42,6 @@ _GRAMMAR = Grammar(PROGRAM, _OPTIONS, ("-f",))
 _ANGLE_DEG = 0.001
 
 _SUN_SR = 2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2))
-
-# Rays into the hemisphere of a sensor to find surfaces that scatter sunlight to it
-_HEMISPHERE = 256
 
 # Least number of suns in each block of pictures, and number of its coefficients
 _BLOCK, _ENTRIES = 64, 1 << 20
@@ -182,14 +180,18 @@ def _received(
     # Irradiance, or radiance [1/sr], per direct normal irradiance
 
     def at_sensors(sensors: Sensors) -> Table:
-        direct = unscattered_sun(scene, sensors=sensors, suns=suns).values
-        if not given.bounces or not _scatters(scene):
-            return direct
-        rays = _hemispheres(sensors)
-        scattered = sun_view_coefficients(
-            scene, rays, suns=suns, samples=rays.rays
+        found = unscattered_sun(
+            scene, sensors=sensors, suns=suns, centre=given.centred
         ).values
-        return np.asarray(direct + np.pi * scattered)
+        if not given.bounces or not _scatters(scene):
+            return found
+        rays = _hemispheres(sensors, given.directions)
+        found = np.repeat(found, 3 // len(found), axis=0)
+        for some, own in scattering_scenes(scene, sensors.position):
+            here = RayBundles(rays.origin[some], rays.direction[some])
+            scattered = sun_view_coefficients(own, here, suns=suns, samples=rays.rays)
+            found[:, some] += np.pi * scattered.values
+        return found
 
     def along_rays(rays: RayBundles) -> Table:
         samples = max(4, rays.rays)
@@ -222,18 +224,18 @@ def _scatters(scene: Scene) -> bool:
     )
 
 
-def _hemispheres(sensors: Sensors) -> RayBundles:
-    # Rays of each sensor, distributed by the cosine to its direction
-    k = np.arange(_HEMISPHERE) + 0.5
-    radius, angle = np.sqrt(k / _HEMISPHERE), np.pi * (3 - np.sqrt(5)) * k
-    local = np.stack(
-        [radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - radius**2)], -1
-    )
+def _hemispheres(sensors: Sensors, count: int) -> RayBundles:
+    # Rays of each sensor, distributed by the cosine to its direction, each turned
+    k, golden = np.arange(count) + 0.5, np.pi * (3 - np.sqrt(5))
+    turn = np.random.default_rng(0).random((len(sensors), 1))
+    radius, angle = np.sqrt(k / count), golden * k + 2 * np.pi * turn
+    flat = np.broadcast_to(np.sqrt(1 - radius**2), angle.shape)
+    local = np.stack([radius * np.cos(angle), radius * np.sin(angle), flat], -1)
     normal = sensors.direction
     side = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
     side /= np.linalg.norm(side, axis=1, keepdims=True)
     frame = np.stack([side, np.cross(normal, side), normal], axis=1)
-    towards = np.einsum("kl,slx->skx", local, frame)
+    towards = np.einsum("skl,slx->skx", local, frame)
     start = np.broadcast_to(sensors.position[:, None], towards.shape)
     return RayBundles(start.copy(), towards)
 

@@ -19,7 +19,7 @@ _SIGNS = frozenset("+-01yntfYNTF")
 
 # Options of rcontrib and rtrace without an equivalent, with numbers of arguments
 IGNORED: Mapping[str, int] = {
-    **dict.fromkeys(("-aa", "-ar", "-as", "-dc", "-dj", "-dp", "-dr", "-ds"), 1),
+    **dict.fromkeys(("-aa", "-ar", "-as", "-dc", "-dp", "-dr", "-ds"), 1),
     **dict.fromkeys(("-dt", "-lr", "-lw", "-ld", "-ms", "-ss", "-st", "-n", "-t"), 1),
     **dict.fromkeys(("-u", "-v", "-w", "-bv", "-dv", "-r", "-V"), 0),
     **dict.fromkeys(("-aw", "-bj", "-e", "-lm"), 1),

@@ -68,6 +68,7 @@ def unscattered_sun(
     *,
     sensors: Sensors,
     suns: Float[np.ndarray, "sun 3"],
+    centre: bool = False,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Direct-sun coefficients C_ds: irradiance per direct normal irradiance.
@@ -75,9 +76,13 @@ def unscattered_sun(
     `suns` are unit vectors, `samples` the number of rays per sensor and sun whose disc,
     of diameter 0.533°, is partly visible. Other discs are found by twelve rays, eight
     of them to the rim: up to 3 % of a disc that is taken as visible may be hidden by a
-    straight edge, or conversely.
+    straight edge, or conversely. With `centre`, a sensor sees all of a disc or nothing,
+    as it sees its centre.
     """
     job, effort = sun_job(unscattered_sun, scene, sensors, suns, keywords)
+    if centre:
+        middle = np.repeat(suns[:, None], job.samples, axis=1)
+        job = _job(scene, sensors, middle, effort)
     values, components = _traced(job, effort)
     axes = sensors_axis(sensors), sun_axis(len(suns))
     return TransferMatrix(values, *axes, components, scene.bands)
