@@ -1,16 +1,19 @@
 """Models of buildings: import, study and report of each file.
 
-    python benchmarks/building_models.py FILE... --weather WEATHER.epw [--write PAGE]
-        [--moment 06-21T11:30] [--samples N] [--spacing M] [--keep FOLDER]
+    python benchmarks/building_models.py FILE... --weather WEATHER.epw
+        [--moment 06-21T11:30]... [--samples N | --relative-error E] [--spacing M]
+        [--keep FOLDER] [--write PAGE | --add PAGE]
 
 Each file is imported and its study run by the command line, whole and with the defaults
-of a study or, to see that all models run, at one moment with few samples. All are run
-in one process: processor seconds do not include its start.
+of a study or, to see that all models run, at some moments with few samples. All are run
+in one process: processor seconds do not include its start. `--add` adds a table to a
+page, with its own date.
 """
 
 import argparse
 import contextlib
 import io
+import resource
 import tempfile
 import time
 from dataclasses import dataclass
@@ -23,23 +26,38 @@ from duel import stamp
 from clerestory.cli.main import main as clerestory
 from clerestory.study.config import read_study
 
+HEAD = """# Models of buildings
+
+Models of Ladybug Tools' packages: import, run and report
+(`benchmarks/building_models.py`). *Left out*: lines of `left_out.txt`. *Mean*:
+illuminance over the steps and sensors. Durations are those of a machine with other
+load.
+"""
+
 
 @dataclass(frozen=True)
 class Spent:
-    """Exit status and message of a command, and its processor time [s]."""
+    """Exit status and message of a command, its processor time and duration [s]."""
 
     status: int
     message: str
     cpu: float
+    wall: float
 
 
 def command(*words: str | Path) -> Spent:
     """Run a command of this package."""
-    start, errors = time.process_time(), io.StringIO()
+    start, begin, errors = time.process_time(), time.perf_counter(), io.StringIO()
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(errors):
         status = clerestory([str(word) for word in words])
     said = errors.getvalue().strip().splitlines()
-    return Spent(status, said[-1] if said else "", time.process_time() - start)
+    spent = time.process_time() - start, time.perf_counter() - begin
+    return Spent(status, said[-1] if said else "", *spent)
+
+
+def peak_gb() -> float:
+    """Return the largest memory of this process so far [GB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024e-9
 
 
 def row(model: Path, folder: Path, given: argparse.Namespace) -> str:
@@ -52,30 +70,32 @@ def row(model: Path, folder: Path, given: argparse.Namespace) -> str:
     if made.status:
         wrote = " FILES WRITTEN" if folder.exists() else ""
         reason = made.message.rpartition(f"{model.name}: ")[2].replace("|", "/")
-        return f"{name} refused: {reason}{wrote} |" + " |" * 7
+        return f"{name} refused: {reason}{wrote} |" + " |" * 9
     study = folder / "study.toml"
     left = (folder / "left_out.txt").read_text().splitlines()
     omitted = 0 if left == ["nothing"] else len(left)
     if not study.exists():
-        return f"{name} no sensors, and no rooms with floors |" + " |" * 7
+        return f"{name} no sensors, and no rooms with floors |" + " |" * 9
     text = study.read_text()
     if given.moment:
-        found = f'[weather]\nmoments = ["{given.moment}"]'
-        text = text.replace("[weather]", found)
+        text = text.replace("[weather]", f"[weather]\nmoments = {given.moment}")
     if given.samples:
         text += f"\n[trace]\nsamples = {given.samples}\nbounces = {given.bounces}\n"
+    if given.relative_error:
+        text += f"\n[trace]\nrelative_error = {given.relative_error}\n"
     study.write_text(text)
     config, results = read_study(study), folder / "results"
     done = command("run", study, "--out", results, "--quiet")
     if done.status:
-        return f"{name} run failed: {done.message} |" + " |" * 7
+        return f"{name} run failed: {done.message} |" + " |" * 9
     with xr.open_dataset(results / "results.nc") as data:
-        lux = data["illuminance"].values.mean(axis=1)
+        lux = data["mean_illuminance"].values
     size = (results / "report.html").stat().st_size / 1e6
     return (
         f"{name} {', '.join(config.methods)} | {len(config.window)} |"
         f" {len(config.sensors)} | {len(lux)} | {omitted} | {np.nanmean(lux):.0f} |"
-        f" {made.cpu:.1f} + {done.cpu:.1f} | {size:.1f} |"
+        f" {made.cpu:.1f} + {done.cpu:.1f} | {done.wall:.0f} | {peak_gb():.1f} |"
+        f" {size:.1f} |"
     )
 
 
@@ -84,37 +104,44 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("models", type=Path, nargs="+")
     parser.add_argument("--weather", type=Path, required=True)
-    parser.add_argument("--moment", help="run one moment of the year only")
+    parser.add_argument("--moment", action="append", help="run moments of the year")
     parser.add_argument("--samples", type=int)
+    parser.add_argument("--relative-error", type=float)
     parser.add_argument("--bounces", type=int, default=4)
     parser.add_argument("--spacing", type=float)
     parser.add_argument("--keep", type=Path, help="folder for the studies")
     parser.add_argument("--write", type=Path)
+    parser.add_argument("--add", type=Path, help="page to which the table is added")
     given = parser.parse_args()
     lines = [
         "| model | method | groups | grids | sensors | left out | mean [lux] |"
-        " import + run [CPU s] | report [MB] |",
-        "|---" * 9 + "|",
+        " import + run [CPU s] | run [s] | most memory so far [GB] | report [MB] |",
+        "|---" * 11 + "|",
     ]
     with tempfile.TemporaryDirectory() as scratch:
         for number, model in enumerate(given.models):
             folder = (given.keep or Path(scratch)) / f"{number:02d}-{model.stem}"
             lines.append(row(model, folder, given))
             print(lines[-1], flush=True)
+    table = "\n".join(["", stamp(), "", effort(given), "", *lines]) + "\n"
     if given.write:
-        effort = "whole years with the defaults"
-        if given.moment:
-            effort = f"one moment, {given.moment}, with {given.samples} samples"
-        head = [
-            "# Models of buildings",
-            "",
-            "Models of Ladybug Tools' packages and of other collections: import, run",
-            f"and report (`benchmarks/building_models.py`), {effort}.",
-            "",
-            stamp(),
-            "",
-        ]
-        given.write.write_text("\n".join([*head, *lines]) + "\n")
+        given.write.write_text(HEAD + table)
+    if given.add:
+        given.add.write_text(given.add.read_text() + table)
+
+
+def effort(given: argparse.Namespace) -> str:
+    """Return in words what was run."""
+    hours = "Whole years"
+    if given.moment:
+        hours = "Moments " + ", ".join(given.moment)
+    aim = "with the default effort"
+    if given.samples:
+        aim = f"with {given.samples} samples and {given.bounces} bounces"
+    elif given.relative_error:
+        aim = f"with relative_error = {given.relative_error}"
+    grid = f", grids at {given.spacing} m where the model has none"
+    return f"{hours} {aim}{grid if given.spacing else ''}."
 
 
 if __name__ == "__main__":

@@ -7,8 +7,11 @@ light. At every matt surface of the room a path borrows the direction of one of 
 rays, chosen by chance, and asks whether it arrives from the sunlit part of the window;
 at every surface outdoors it asks for the sun itself. Paths meet the film as what it
 is, prisms of a dielectric, from either side: sky, sunlit ground and reveal shine
-through it, and the room's own light is mirrored by it. An eye that sees nothing but
-prisms sees the sun's disc behind them.
+through it, and the room's own light is mirrored by it. The images of the sun that an
+eye sees in the film are those rays that arrive at the eye.
+
+A film may fill a part of the window, above a blind: then the surfaces of the room ask
+for the sun itself as well.
 
 No BSDF of the film takes part, neither patches nor trees. Left out is sun that the
 film mirrors back outdoors, on to the sill and the ground.
@@ -32,40 +35,48 @@ from clerestory.image.camera import Camera
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from truth.beams import MOST, Beams, beams, random_numbers
-from truth.setting import HEIGHT, PLANE, SILL, WIDTH, Kind, cameras, demo
+from truth.facades import Kind, Part
+from truth.setting import HEIGHT, ORIGIN, WIDTH, demo
+from truth.slats import PixelPaths, near_the_sun
+from truth.sun_rays import sun_images
 
-ORIGIN = np.array([WIDTH / 2, PLANE, SILL + HEIGHT / 2])
 _LUX = RGB.weights
 
 # Share of directions that aim at the window, and when weak paths may end
 _AIMED = 0.5
 _FREE = 6
 
+# Independent parts of an estimate
+_PARTS = 4
+
 
 @dataclass
 class FilmRoom:
-    """A room behind a film at one moment, around the middle of its window."""
+    """A room behind a film at one moment; `mixed` if a part of the window has none."""
 
     model: LoweredScene
     sky: DistantEmitters
     beams: Beams
+    mixed: bool
 
 
 class Film:
     """The truth behind a film."""
 
     def __init__(self, kind: Kind):
-        scene, _, self.sensors, _ = demo()
-        film = kind.geometry()
-        self.room, self.film = (
-            lower(part, origin=ORIGIN) for part in (scene + film, film)
-        )
+        scene, _, _, _ = demo()
+        assert kind.clear is not None
+        self.part: Part = kind.clear
+        self.mixed = len(kind.parts) > 1
+        self.room = lower(scene + kind.geometry(), origin=ORIGIN)
+        middle = np.array([*ORIGIN[:2], (self.part.low + self.part.high) / 2])
+        self.film = lower(self.part.geometry(), origin=middle)
         self.known: dict[datetime, FilmRoom] = {}
 
     def at(self, light: Scene) -> FilmRoom:
         """Return the room under a sky with its sun."""
         sky = DistantEmitters.of(light)
-        return FilmRoom(self.room, sky, beams(self.film, sky))
+        return FilmRoom(self.room, sky, beams(self.film, self.part, sky), self.mixed)
 
     def when(self, hours: cl.Weather, moment: datetime) -> FilmRoom:
         """Return the room at a moment; it is made once."""
@@ -73,26 +84,53 @@ class Film:
             self.known[moment] = self.at(cl.sky_at(hours, moment))
         return self.known[moment]
 
-    def under(self, light: Scene, *, samples: int, seed: int) -> np.ndarray:
-        """Illuminance of the sensors under a sky with its sun [lux]."""
-        return illuminance(self.at(light), self.sensors, samples=samples, seed=seed)
-
     def illuminance(
-        self, hours: cl.Weather, moment: datetime, *, samples: int, seed: int
-    ) -> np.ndarray:
-        """Illuminance of the sensors [lux]."""
+        self,
+        hours: cl.Weather,
+        moment: datetime,
+        sensors: Sensors,
+        *,
+        samples: int,
+        seed: int,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Illuminance of sensors, and its standard error [lux]."""
         lit = self.when(hours, moment)
-        return illuminance(lit, self.sensors, samples=samples, seed=seed)
+        return estimate(lit, sensors, samples=samples, seed=seed)
 
-    def pictures(
-        self, hours: cl.Weather, moment: datetime, *, samples: int, seed: int
-    ) -> list[np.ndarray]:
-        """Radiance of the pixels of each eye's picture (pixel, channel)."""
-        lit = self.when(hours, moment)
-        return [
-            picture(lit, camera, samples=samples, seed=seed + number)
-            for number, camera in enumerate(cameras())
-        ]
+    def picture(
+        self,
+        hours: cl.Weather,
+        moment: datetime,
+        camera: Camera,
+        *,
+        paths: PixelPaths,
+        seed: int,
+    ) -> np.ndarray:
+        """Radiance of a camera's pixels by independent parts (part, pixel, channel)."""
+        light, lit = cl.sky_at(hours, moment), self.when(hours, moment)
+        sunny = near_the_sun(light, camera) & self.mixed
+        images = sun_images(lit.beams, camera, _PARTS)
+        found = np.repeat(images[..., None], 3, axis=2)
+        for some, samples in ((~sunny, paths.usual), (sunny, paths.sunny)):
+            pixels = np.flatnonzero(some)
+            if len(pixels):
+                for number in range(_PARTS):
+                    own = _PARTS * seed + number
+                    found[number, pixels] += picture(
+                        lit, camera, pixels, samples=samples // _PARTS, seed=own
+                    )
+        return found
+
+
+def estimate(
+    room: FilmRoom, sensors: Sensors, *, samples: int, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Illuminance of sensors, and its standard error [lux]."""
+    parts = [
+        illuminance(room, sensors, samples=samples // _PARTS, seed=_PARTS * seed + n)
+        for n in range(_PARTS)
+    ]
+    return np.mean(parts, axis=0), np.std(parts, axis=0, ddof=1) / np.sqrt(_PARTS)
 
 
 def _window_pdf(point, direction):
@@ -120,12 +158,7 @@ def _borrowed(room: FilmRoom, point, pick):
 
 @dr.syntax
 def follow(room: FilmRoom, rng, ray, weight, sharp, active):
-    """Return the light along rays.
-
-    Parameters
-    ----------
-    sharp : whether an eye looks along the ray, which sees the sun itself
-    """
+    """Return the light along rays; `sharp` ones are of eyes, which see the sun."""
     model, sky = room.model, room.sky
     context = mi.BSDFContext()
 
@@ -138,28 +171,32 @@ def follow(room: FilmRoom, rng, ray, weight, sharp, active):
         si = model.scene.ray_intersect(ray, active)
         met = active & si.is_valid()
 
-        # Take the sky; the sun's disc only where nothing matt stands between
+        # Take the sky; the sun's disc only where nothing stands between
         away = active & ~met
         sun, _ = sky.sun_radiance(ray.d, away & sharp)
         shone = sky.environment_radiance(ray.d) + dr.select(sharp, sun, 0)
         light += dr.select(away, weight * shone, 0)
 
-        # Ask for the sun: borrowed rays of it in the room, itself outdoors
+        # Ask for the sun: borrowed rays of it in the room, and itself
         bsdf = si.bsdf()
         matt = met & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
         indoors = si.p.y > 0
         a, b, c = rng.next_float32(), rng.next_float32(), rng.next_float32()
         towards, irradiance, distance = _borrowed(room, si.p, a)
-        direct = sky.sample_sun(a, b, c)
-        itself, density, radiance = direct.direction, direct.pdf, direct.radiance
-        towards = dr.select(indoors, towards, itself)
         start = offset(model, si, towards, matt)
-        far = dr.select(indoors, distance - 1e-4, dr.largest(mi.Float))
+        value = bsdf.eval(context, si, si.to_local(towards), matt) * irradiance
+        asked = matt & indoors & (dr.max(value) > 0) & (distance > 1e-4)
+        line = mi.Ray3f(start, towards, distance - 1e-4, 0, [])
+        hidden = model.scene.ray_test(line, asked)
+        light += dr.select(asked & ~hidden, weight * value, 0)
+        direct = sky.sample_sun(a, b, c)
+        towards = direct.direction
+        start = offset(model, si, towards, matt)
         value = bsdf.eval(context, si, si.to_local(towards), matt)
-        arriving = dr.select(indoors, mi.Color3f(irradiance), radiance / density)
-        asked = matt & (dr.max(value * arriving) > 0) & (far > 0)
-        hidden = model.scene.ray_test(mi.Ray3f(start, towards, far, 0, []), asked)
-        light += dr.select(asked & ~hidden, weight * value * arriving, 0)
+        value *= direct.radiance / direct.pdf
+        asked = matt & (~indoors | room.mixed) & (dr.max(value) > 0)
+        hidden = model.scene.ray_test(mi.Ray3f(start, towards), asked)
+        light += dr.select(asked & ~hidden, weight * value, 0)
 
         # Go on: towards the window, as the material proposes, or as prisms bend
         a, b, c = rng.next_float32(), rng.next_float32(), rng.next_float32()
@@ -176,7 +213,7 @@ def follow(room: FilmRoom, rng, ray, weight, sharp, active):
         both = bsdf.eval(context, si, local, aimed) / mixed
         weight *= dr.select(aimed, dr.select(mixed > 0, both, 0), factor)
         ray = mi.Ray3f(offset(model, si, onward, met), onward)
-        sharp &= ~matt
+        sharp &= ~met
 
         # Let weak paths end by chance
         vertex += 1
@@ -213,13 +250,19 @@ def _gathered(room, position, normal, samples, lanes, seed):
     n = dr.gather(mi.Vector3f, normal, lane // samples)
     frame = mi.Frame3f(n)
 
-    # Sun of the sensor itself
+    # Sun of the sensor itself, behind the film and beside it
     towards, irradiance, distance = _borrowed(room, o, rng.next_float32())
     cosine = dr.maximum(dr.dot(n, towards), 0)
     asked = (irradiance * cosine > 0) & (distance > 0)
     line = mi.Ray3f(o, towards, distance - 1e-4, 0, [])
     clear = asked & ~room.model.scene.ray_test(line, asked)
     light = mi.Color3f(dr.select(clear, irradiance * cosine, 0))
+    a, b, c = rng.next_float32(), rng.next_float32(), rng.next_float32()
+    direct = room.sky.sample_sun(a, b, c)
+    cosine = dr.maximum(dr.dot(n, direct.direction), 0)
+    asked = room.mixed & (cosine > 0)
+    clear = asked & ~room.model.scene.ray_test(mi.Ray3f(o, direct.direction), asked)
+    light += dr.select(clear, direct.radiance * cosine / direct.pdf, 0)
 
     # Leave towards the window, or by the cosine
     a, b = rng.next_float32(), rng.next_float32()
@@ -235,17 +278,20 @@ def _gathered(room, position, normal, samples, lanes, seed):
     return light + follow(room, rng, mi.Ray3f(o, d), weight, False, active)
 
 
-def picture(room: FilmRoom, camera: Camera, *, samples: int, seed: int) -> np.ndarray:
-    """Radiance of a camera's pixels (pixel, channel)."""
+def picture(
+    room: FilmRoom, camera: Camera, pixels: np.ndarray, *, samples: int, seed: int
+) -> np.ndarray:
+    """Radiance of some of a camera's pixels (pixel, channel)."""
     rays = CameraRays.of(camera.view, camera.columns, camera.rows)
-    count = len(camera)
-    lane = dr.arange(mi.UInt32, count * samples)
+    lane = dr.arange(mi.UInt32, len(pixels) * samples)
     rng = random_numbers(lane, dr.opaque(mi.UInt32, seed))
-    pixel = lane // dr.opaque(mi.UInt32, samples)
+    number = lane // dr.opaque(mi.UInt32, samples)
+    pixel = dr.gather(mi.UInt32, mi.UInt32(pixels.astype(np.uint32)), number)
     x, y = rng.next_float32(), rng.next_float32()
-    ray, valid = rays.through(pixel, x, y, ORIGIN)
+    ray, valid = rays.through(pixel, x, y)
+    ray.o += vectors(mi.Vector3f, (camera.position - ORIGIN)[None])
     found = follow(room, rng, ray, mi.Color3f(1), True, valid)
-    return _means(found, count, samples)
+    return _means(found, len(pixels), samples)
 
 
 def _means(found: mi.Color3f, rows: int, samples: int) -> np.ndarray:

@@ -12,7 +12,7 @@ from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
 from clerestory.scene.sensors import Sensors
 
 TRANSMITTANCE, REFLECTANCE, RADIANCE = 0.05, 0.85, 100.0
-SENSORS, SAMPLES, FAR = 40, 4096, 200.0
+SENSORS, SAMPLES, FAR = 40, 512, 200.0
 
 
 def under_a_layer(*, upside_down):
@@ -42,7 +42,7 @@ def test_paths_pass_a_layer_to_the_bright_side(device, upside_down):
     """E = π τ L, with a fraction of the error of paths that mostly reflect.
 
     Sampled by the BSDF alone, a path passes with the probability τ/(τ + ρ), and the
-    error is √(ρ/τ/n).
+    error of independent paths is √(ρ/τ/n); that of Sobol' points is 0.36 of it.
     """
     scene = under_a_layer(upside_down=upside_down)
     place, up = np.zeros((SENSORS, 3)), np.tile([0.0, 0.0, 1.0], (SENSORS, 1))
@@ -53,4 +53,4 @@ def test_paths_pass_a_layer_to_the_bright_side(device, upside_down):
     assert value.mean() == pytest.approx(expected, abs=4 * scatter / SENSORS**0.5)
     assert np.sqrt(np.mean(error**2)) == pytest.approx(scatter, rel=0.35)
     alone = np.sqrt(REFLECTANCE / TRANSMITTANCE / SAMPLES)
-    assert scatter < 0.5 * alone * expected
+    assert scatter < 0.15 * alone * expected

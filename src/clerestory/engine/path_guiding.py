@@ -51,14 +51,16 @@ def learned_portals(
     tells the choice between transmission and reflection at layers.
     """
     trial = Portals.uniform(windows + patches)
-    if trial is None or len(places) == 0:
+    if trial is None or len(places + layers.places) == 0:
+        return trial
+    samples = _pilot_samples(scene, trial, places, layers.places)
+    layers.apply(scene.model, samples[0][len(places) :].sum(axis=1))
+    if len(places) == 0:
         return trial
     cells = GuidingCells.around(places.point)
     point = vectors(mi.Point3f, places.point)
     normal = vectors(mi.Vector3f, places.normal)
     number = cells.number(point, normal).numpy()
-    samples = _pilot_samples(scene, trial, places, layers.places)
-    layers.apply(scene.model, samples[0][len(places) :].sum(axis=1))
     onward, sunlit = (
         root_mean_squares(found[: len(places)], number, cells.count)
         for found in samples

@@ -18,7 +18,12 @@ from clerestory.engine.matrix_jobs import CoefficientsJob
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sky_axis, sun_axis
 from clerestory.phases.matrix_store import BlockMaker
-from clerestory.phases.stored_views import StoredColumns, StoredViews, traced_block
+from clerestory.phases.stored_views import (
+    FEW,
+    StoredColumns,
+    StoredViews,
+    traced_block,
+)
 from clerestory.phases.traced_matrices import matrix_effort, require_sensors
 from clerestory.phases.unscattered_light import sun_job
 from clerestory.scene.model import Scene
@@ -75,6 +80,8 @@ def store_sun(
     """
     job, effort = sun_job(store_sun, scene, sensors, suns, keywords)
     effort = replace(effort, components=True)
+    # The number of rays is given, so that few batches take no more rays
+    job = replace(job, batches=FEW)
     make = partial(traced_block, job, effort, what="direct-sun coefficients")
     stored = StoredViews(store(rows, make), tuple(rows))
     return StoredColumns(stored, sun_axis(len(suns)), 0)
