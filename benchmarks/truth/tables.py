@@ -152,8 +152,8 @@ _CHECK = [
 _CHECKED = [*(str(weather().times[step]) for step in STEPS), "a sensor"]
 
 _DEFECT = [
-    "Prisms of both sizes deflect light alike. Few paths of the path tracer carry much of"
-    " the light of a sensor, so its standard errors vary by chance.",
+    "Prisms of both sizes deflect light alike. Few paths of the path tracer carry much"
+    " of the light of a sensor, so its standard errors vary by chance.",
 ]
 
 _SURE = [
