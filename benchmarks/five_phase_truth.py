@@ -28,10 +28,10 @@ from truth.slats import PixelPaths
 
 # Paths of a sensor and hour: standard errors of about 1 %
 SENSOR = {
-    "flat": 32768,
-    "tilted": 114688,
-    "mirror": 32768,
-    "double": 81920,
+    "flat": 49152,
+    "tilted": 196608,
+    "mirror": 81920,
+    "double": 114688,
     "louvre": 73728,
     "film": 98304,
 }

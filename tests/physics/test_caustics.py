@@ -36,6 +36,23 @@ def test_a_prism_deflects_the_sun(device, where):
     agrees(prism(), place, UPWARDS, truth, device)
 
 
+def test_the_size_of_the_scene_does_not_change_a_prism(device):
+    """Black ground of 40 km below it: light still enters the prism at its surface."""
+    corners, truth = prism_light()
+    edge = 20000.0
+    ground = [
+        [-edge, -edge, -1],
+        [edge, -edge, -1],
+        [edge, edge, -1],
+        [-edge, edge, -1],
+    ]
+    black = Plastic("ground", np.zeros(3))
+    scene = prism() + Scene(
+        {"ground": black}, (Polygon(np.array(ground), "ground", "ground"),)
+    )
+    agrees(scene, corners.mean(axis=0), UPWARDS, truth, device)
+
+
 def test_a_prism_lights_nothing_beside_its_patch(device):
     """Beyond the penumbra, the floor is dark up to light reflected in the prism."""
     corners, truth = prism_light()

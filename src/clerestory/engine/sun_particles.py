@@ -34,6 +34,9 @@ _NARROW = 4 / np.pi
 # Probability that a particle goes on where a surface has highlights as well.
 _ONWARD = 0.5
 
+# Distance to the first surface from where particles are followed [m].
+_CLOSE = 0.01
+
 
 @dataclass
 class Particles:
@@ -178,4 +181,10 @@ def _start(
     # A particle that is not kept starts beyond all surfaces
     origin = point + sun.direction * far
     heading = dr.select(kept < cosine, -sun.direction, sun.direction)
-    return mi.Ray3f(origin, heading), dr.sqrt(2 * dr.max(scene.distant.one_minus_cos))
+    ray = mi.Ray3f(origin, heading)
+    # Follow it from close to the first surface: `offset` increases with distance, and
+    # would exceed small prisms
+    hit = scene.model.scene.ray_intersect_preliminary(ray)
+    skipped = dr.select(hit.is_valid(), dr.maximum(hit.t - _CLOSE, 0), 0)
+    ray.o += heading * skipped
+    return ray, dr.sqrt(2 * dr.max(scene.distant.one_minus_cos))
