@@ -118,7 +118,7 @@ def write_glare(
         values = dgp[grid.full_id]
         path = results / f"{grid.full_id}.dgp"
         make_folder(path.parent)
-        rows = ("\t".join(f"{x:.4f}" for x in row) + "\n" for row in values.tolist())
+        rows = ("\t".join(f"{x:.6f}" for x in row) + "\n" for row in values.tolist())
         write_text(path, "".join(rows))
         glare = (values[:, used] >= limit).sum(axis=1)
         autonomy[grid.full_id] = 100 * (1 - glare / occupied.sum())
