@@ -96,7 +96,11 @@ def test_methods_agree_behind_a_diffuser(study, tmp_path):
     """A Lambertian pane that reflects nothing: two and three phases are the same.
 
     Paths of the two-phase method find the sun's patches by chance, hence their number.
+    Nothing shades a part of the window: three phases know its mean irradiance only.
     """
+    room = tmp_path / "study" / "room.rad"
+    before, _, behind = room.read_text().partition("grey polygon overhang")
+    room.write_text(before + "dark polygon ground" + behind.split("polygon ground")[1])
     compared = study(
         method='["2-phase", "3-phase"]',
         control='rule = "fixed"\nstate = 1',
