@@ -118,7 +118,7 @@ _DIFFERENCES = [
 ]
 
 _REASONS = [
-    "## Same deviations, same reasons?",
+    "## Reasons for the deviations, here and in the paper",
     "",
     "- *DL-L1*: in the paper and here, five phases gain most. The film transmits a part"
     " of the sun straight and mirrors another; three phases spread both over patches,"

@@ -63,7 +63,7 @@ def computed_in_threads(
     ):
         for item in items:
             waiting.append(pool.submit(copy_context().run, compute, item))
-            # One result waits for the consumer, so that all threads are busy
+            # One item more than threads: none is idle while the caller uses a result
             if len(waiting) > count:
                 yield waiting.popleft().result()
         while waiting:

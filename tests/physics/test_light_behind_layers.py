@@ -6,8 +6,10 @@ from physics_scenes import quad
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.engine.work_units import Local
 from clerestory.hemisphere.klems import klems
 from clerestory.phases.rendering import irradiance
+from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
 from clerestory.scene.sensors import Sensors
 
@@ -54,3 +56,17 @@ def test_paths_pass_a_layer_to_the_bright_side(device, upside_down):
     assert np.sqrt(np.mean(error**2)) == pytest.approx(scatter, rel=0.35)
     alone = np.sqrt(REFLECTANCE / TRANSMITTANCE / SAMPLES)
     assert scatter < 0.15 * alone * expected
+
+
+def test_other_jobs_do_not_depend_on_pictures_before_them(device):
+    """An executor keeps scenes; the light measured for one job stays with its kind."""
+    scene = under_a_layer(upside_down=False)
+    sensors = Sensors(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]))
+    found = []
+    for before in (False, True):
+        effort = {"samples": 256, "device": device, "executor": Local()}
+        if before:
+            irradiance(scene, sensors, **effort)
+        C = daylight_coefficients(scene, sensors=sensors, subdivision=1, **effort)
+        found.append(C.values)
+    assert np.array_equal(*found)

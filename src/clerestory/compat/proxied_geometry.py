@@ -16,7 +16,8 @@ from clerestory.scene.materials.bsdf_surface import BsdfSurface
 from clerestory.scene.model import Scene
 from clerestory.scene.surface import Polygon, area_vector, extent
 
-# Tolerance of the place of proxied geometry, as a share of the thickness
+# Distance up to which geometry may exceed a proxy that stands for it, as a fraction of
+# the thickness of the proxy
 _MARGIN = 0.05
 
 

@@ -100,9 +100,10 @@ class _ParallelRays:
     def probed(
         self, row: np.ndarray, column: np.ndarray
     ) -> tuple[Float[np.ndarray, "pair channel"], Int[np.ndarray, " differing"]]:
-        """Return the mean light of the probes of pairs, and pairs whose probes differ.
+        """Trace the probes of pairs of a sensor and a source.
 
-        Light is transmittance times cosine.
+        Return the mean light of each pair, transmittance times cosine, and the indices
+        of the pairs whose probes differ in transmittance.
         """
         count = self._job.first_rays
         with launching():

@@ -56,7 +56,7 @@ class Illumination:
     @classmethod
     def of(cls, scene: Scene, origin: Origin) -> "Illumination":
         """Return the illuminated scene, with translated coordinates around `origin`."""
-        model = lower(scene, origin=origin)
+        model = lower(scene, origin=origin, illuminated=True)
         expect_ratios(model, {})
         return cls(
             model,

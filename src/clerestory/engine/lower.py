@@ -85,14 +85,20 @@ class LoweredScene:
 
 
 def lower(
-    scene: Scene, *, origin: Origin, receivers: tuple[Window, ...] = ()
+    scene: Scene,
+    *,
+    origin: Origin,
+    receivers: tuple[Window, ...] = (),
+    illuminated: bool = False,
 ) -> LoweredScene:
     """Return the lowered scene around `origin`, possibly cached from the previous job.
 
     The windows `receivers` become surfaces of the scene at which paths end. The scene
-    is in RGB, or its bands share paths; see `channels`.
+    is in RGB, or its bands share paths; see `channels`. An `illuminated` scene is
+    cached apart, since its BSDFs are sampled by the light of the scene
+    (`light_behind_layers`).
     """
-    key = mi.variant(), scene, tuple(origin.tolist()), receivers
+    key = mi.variant(), scene, tuple(origin.tolist()), receivers, illuminated
     lowered: LoweredScene = cached(key, lambda: _lowered(scene, origin, receivers))
     return lowered
 

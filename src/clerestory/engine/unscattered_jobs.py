@@ -53,7 +53,7 @@ class UnscatteredJob(EstimatedJob):
 
     @property
     def first_rays(self) -> int:
-        """Number of rays that are traced for each pair of sensor and source."""
+        """Number of rays traced at first for each pair of sensor and source."""
         return (
             self.batches * self.points if self.probes is None else self.probes.shape[1]
         )

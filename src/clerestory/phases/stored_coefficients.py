@@ -1,6 +1,6 @@
 """Daylight coefficients and direct-sun coefficients larger than memory, in files.
 
-As view matrices, they are stored in blocks of sensors with few error components.
+They are stored like view matrices: in blocks of sensors, with four error components.
 """
 
 from collections.abc import Callable, Sequence

@@ -169,7 +169,7 @@ def traced_block(
     what: str,
     arrange: Callable[[np.ndarray], np.ndarray] = np.asarray,
 ) -> TransferMatrix:
-    """Return a block of rows of a matrix, in single precision with few components.
+    """Trace a block of rows of a matrix, with four error components.
 
     `what` is the name of the matrix in messages; `arrange` rearranges the columns of
     the values and of the error components.

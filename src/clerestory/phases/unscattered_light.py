@@ -76,8 +76,9 @@ def unscattered_sun(
     `suns` are unit vectors, `samples` the number of rays per sensor and sun whose disc,
     of diameter 0.533°, is partly visible. Other discs are found by twelve rays, eight
     of them to the rim: up to 3 % of a disc that is taken as visible may be hidden by a
-    straight edge, or conversely. With `centre`, a sensor sees all of a disc or nothing,
-    as it sees its centre.
+    straight edge, or conversely. Finer openings, as of perforated sheets, that are less
+    than a tenth of the disc may be missed, and are better described by a BSDF. With
+    `centre`, a sensor sees all of a disc or nothing, as it sees its centre.
     """
     job, effort = sun_job(unscattered_sun, scene, sensors, suns, keywords)
     if centre:
