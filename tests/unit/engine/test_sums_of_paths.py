@@ -1,4 +1,4 @@
-"""Sums of merged batches give the estimate and error components of pooled batches."""
+"""Sums of paths: merged batches, and relative errors of rows."""
 
 import numpy as np
 import pytest
@@ -34,3 +34,13 @@ def test_convergence_is_tested_with_all_batches(both):
     whole, few = both
     np.testing.assert_array_equal(few.collected(), whole.collected())
     np.testing.assert_array_equal(row_errors(few), row_errors(whole))
+
+
+def test_faint_rows_need_not_reach_the_relative_error():
+    """One of 16 batches of a row has light: the error is as large as the mean."""
+    sums = Sums.empty(np.uint64, (2, 16, 1, 1))
+    sums.count[:] = 1000
+    sums.total[0], sums.total[1, 3] = int(100 * FIXED_POINT), int(FIXED_POINT)
+    mean = 1 / 16 / 1000
+    assert row_errors(sums) == pytest.approx([0, mean / (0.01 * (0.1 + mean) / 2)])
+    assert row_errors(sums, least=0.01) == pytest.approx([0, mean / 0.01])
