@@ -31,8 +31,8 @@ from clerestory.scene.window import Window
 _DARK = 0.01
 
 # Sensors with less irradiance from windows or a sky of unit radiance need not reach it
-# either [sr]: 0.1 % of that of an unobstructed sensor
-_FAINT = 1e-3 * np.pi
+# either [sr]: 0.5 % of that of an unobstructed sensor
+_FAINT = 5e-3 * np.pi
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
