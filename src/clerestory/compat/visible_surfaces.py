@@ -19,8 +19,8 @@ from clerestory.scene.window import Window
 # Distance of sensors from the surfaces [m]
 _ABOVE = 1e-4
 
-# Number of rays in each block
-_BLOCK = 1 << 14
+# Number of rays in each block, and of paths along each ray without bounces
+_BLOCK, _PATHS = 1 << 14, 8
 
 Part = tuple[str | None, Table]
 
@@ -41,7 +41,7 @@ def by_surface(
     """
     blocks: list[list[Part]] = []
     every = max(1, _BLOCK // bundles.rays)
-    straight = replace(effort, bounces=0, samples=max(64, bundles.rays))
+    straight = replace(effort, bounces=0, samples=_PATHS * bundles.rays)
     for first in range(0, len(bundles), every):
         own = bundles.select(slice(first, first + every))
         seen = list(radiance(own, straight))

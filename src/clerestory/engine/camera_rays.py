@@ -11,11 +11,20 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from clerestory.engine.sampler import (
+    DIRECTION_U,
+    DIRECTION_V,
+    PathNumbers,
+    random_number,
+)
 from clerestory.engine.upload import on_device, vectors
 from clerestory.image.camera import Camera, PixelsOrCells
 from clerestory.scene.ray_bundles import RayBundles
 from clerestory.scene.sphere_cells import SphereCells
 from clerestory.scene.view import View
+
+# Dimension of the random number that selects the ray of the first path of a bundle
+_FIRST_RAY = 0x30000
 
 
 @dataclass
@@ -136,6 +145,23 @@ def camera_rays(camera: PixelsOrCells) -> CameraRays | CellRays | GivenRays:
             return CellRays.of(camera)
         case RayBundles():
             return GivenRays.of(camera)
+
+
+def sampled_ray(
+    rays: CameraRays | CellRays | GivenRays, pixel: mi.UInt32, numbers: PathNumbers
+):
+    """Return the ray of a path through a pixel, and whether it is valid.
+
+    The paths of a pixel are distributed evenly over given rays: a choice at random of
+    few rays, one of which may see the window, has more variance than the paths.
+    """
+    if isinstance(rays, GivenRays):
+        share = mi.Float(numbers.index) / mi.Float(numbers.points.stride)
+        first, purpose = numbers.points.first, mi.UInt32(_FIRST_RAY)
+        x = share + random_number(numbers.seed, first, purpose)
+        return rays.through(pixel, x - dr.floor(x), mi.Float(0))
+    x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
+    return rays.through(pixel, x, y)
 
 
 def _from_square(point: mi.Point2f) -> mi.Vector3f:
