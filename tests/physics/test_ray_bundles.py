@@ -44,3 +44,15 @@ def test_rays_of_bundles_are_chosen_without_bias(device, samples):
     less = values[:, patch].mean(axis=0).min()
     bound = 4 * np.sqrt((1 / RAYS) * (1 - 1 / RAYS) / (many * samples))
     assert less == pytest.approx(1 / RAYS, abs=bound)
+
+
+def test_rays_without_a_direction_have_no_radiance(device):
+    """As a pixel of which a third is outside the circle of a fisheye view."""
+    up = np.array([[[0, 0, 1.0], [0, 0, 0], [0, 0, 2]]])
+    far = np.array([[[5.0, 5, 0], [0, 0, 0], [5, 5, 0]]])
+    bundles = RayBundles(far, up)
+    assert bundles.position.tolist() == [5, 5, 0]
+    values = sky_view_matrices(
+        Scene({}, ()), bundles, subdivision=1, samples=12, device=device
+    )[0].values[0]
+    assert values.sum() == pytest.approx(2 / 3, abs=1e-6)

@@ -115,6 +115,7 @@ class GivenRays:
 
     origin: mi.Point3f
     direction: mi.Vector3f
+    valid: mi.Bool
     rays: int
 
     @classmethod
@@ -123,7 +124,10 @@ class GivenRays:
         origin = (bundles.origin - bundles.position).reshape(-1, 3)
         towards = bundles.direction.reshape(-1, 3)
         return cls(
-            vectors(mi.Point3f, origin), vectors(mi.Vector3f, towards), bundles.rays
+            vectors(mi.Point3f, origin),
+            vectors(mi.Vector3f, towards),
+            on_device(mi.Bool, bundles.valid.ravel()),
+            bundles.rays,
         )
 
     def through(self, bundle, x, y):
@@ -133,7 +137,7 @@ class GivenRays:
         index = bundle * most + ray
         origin = dr.gather(mi.Point3f, self.origin, index)
         direction = dr.gather(mi.Vector3f, self.direction, index)
-        return mi.Ray3f(origin, direction), dr.full(mi.Bool, True, dr.width(index))
+        return mi.Ray3f(origin, direction), dr.gather(mi.Bool, self.valid, index)
 
 
 def camera_rays(camera: PixelsOrCells) -> CameraRays | CellRays | GivenRays:
