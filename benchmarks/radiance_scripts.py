@@ -27,7 +27,7 @@ from pathlib import Path
 
 import numpy as np
 from duel import stamp
-from script_runs import RADIANCE, Outcome, Room
+from script_runs import RADIANCE, Outcome, Room, numbered
 
 from clerestory.compat.programs import PROGRAMS, install_programs
 
@@ -107,7 +107,8 @@ def ran(script: Path, outcome: Outcome) -> str:
         script.read_text(),
         re.MULTILINE,
     )
-    expected = {name.replace("${idx}", "%04d") for name in named}
+    whole = (name.replace("${idx}", "%04d") for name in named)
+    expected = {numbered(name) for name in whole}
     results = outcome.sensors | outcome.pictures
     made = {name for name in expected if name in results and results[name].size}
     if made == expected:
