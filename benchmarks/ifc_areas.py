@@ -31,9 +31,6 @@ from clerestory.formats.building_model import BuildingModel
 from clerestory.scene.model import Polygon, TriangleMesh
 from clerestory.scene.surface import area_vector
 
-# Quantities that state the area of a space, the first that is there
-STATED = ("GrossFloorArea", "GSA BIM Area")
-
 
 @dataclass(frozen=True)
 class Area:
@@ -71,10 +68,16 @@ def triangles(element, using) -> tuple[np.ndarray, np.ndarray]:
 
 
 def stated(element) -> float | None:
-    """Return the area of a space that the file states."""
-    sets = get_psets(element).values()
-    found = (each[name] for name in STATED for each in sets if name in each)
-    return next(found, None)
+    """Return the area of a space by the file: of its floor, or volume over height.
+
+    Areas by Revit extend to the middle of the walls, its volumes do not.
+    """
+    known = {k: v for each in get_psets(element).values() for k, v in each.items()}
+    if "GrossFloorArea" in known:
+        return float(known["GrossFloorArea"])
+    if "Volume" in known and known.get("Unbounded Height"):
+        return float(known["Volume"] / known["Unbounded Height"])
+    return None
 
 
 def spaces(model, using, read: BuildingModel) -> Iterator[Area]:
@@ -129,7 +132,8 @@ def agreement(deviations: list[float | None]) -> str:
     if not given:
         return "not stated"
     close = sum(abs(each) <= 1 for each in given)
-    return f"{close} of {len(given)}; {max(given, key=abs):+.2f} %"
+    most = round(max(given, key=abs), 2) + 0.0
+    return f"{close} of {len(given)}; {most:+.2f} %"
 
 
 def main() -> None:
@@ -164,11 +168,12 @@ def main() -> None:
 Areas of floors of spaces, of glass, and of windows with their frames as
 `clerestory import` reads them (`benchmarks/ifc_areas.py`). *Separate* areas are those
 of the triangles of ifcopenshell as seen from above or along the normal of the pane,
-united by shapely. *Stated* areas are the quantities of the file: the gross floor area
-of spaces, or the area of Revit, and width times height of windows. Deviations are of
-single spaces and windows. Width times height is not the
-area of round windows, and that of tilted skylights may be of their plan; glass whose
-style is also that of the frame is left out.
+united by shapely. *Stated* areas are those of the file: the gross floor area of spaces,
+or of Revit, whose areas extend into the walls, the volume over the height; width times
+height of windows. Deviations are of single spaces and windows. Volume over height is
+not the area of stairs and of a hall with a higher ceiling, nor width times height that
+of round windows and of tilted skylights; glass whose style is also that of the frame is
+left out.
 
 {stamp()}.
 

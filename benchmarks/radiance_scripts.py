@@ -60,7 +60,7 @@ SCRIPTS = (
 NOISELESS = 0.01
 
 # Rays of each run
-RAYS = (1.0, 1.06, 1.12, 1.18)
+RAYS = (1.0, 1.06, 1.12)
 
 # Programs that make pictures, with their sizes in the scripts
 SIZED, SIZES = ("vwrays", "rpict"), (250, 300, 400)
