@@ -5,17 +5,19 @@
         [--keep FOLDER] [--write PAGE | --add PAGE]
 
 Each file is imported and its study run by the command line, whole and with the defaults
-of a study or, to see that all models run, at some moments with few samples. All are run
-in one process: processor seconds do not include its start. `--add` adds a table to a
-page, with its own date.
+of a study or, to see that all models run, at some moments with few samples. Each is run
+in a process of its own; processor seconds do not include its start. `--add` adds a
+table to a page or, if its last table has the same date and effort, rows to that table.
 """
 
 import argparse
 import contextlib
 import io
+import multiprocessing
 import resource
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,7 +58,7 @@ def command(*words: str | Path) -> Spent:
 
 
 def peak_gb() -> float:
-    """Return the largest memory of this process so far [GB]."""
+    """Return the largest memory of this process [GB]."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024e-9
 
 
@@ -113,21 +115,28 @@ def main() -> None:
     parser.add_argument("--write", type=Path)
     parser.add_argument("--add", type=Path, help="page to which the table is added")
     given = parser.parse_args()
-    lines = [
+    head = [
         "| model | method | groups | grids | sensors | left out | mean [lux] |"
-        " import + run [CPU s] | run [s] | most memory so far [GB] | report [MB] |",
+        " import + run [CPU s] | run [s] | memory [GB] | report [MB] |",
         "|---" * 11 + "|",
     ]
-    with tempfile.TemporaryDirectory() as scratch:
+    new, rows = multiprocessing.get_context("spawn"), []
+    with (
+        tempfile.TemporaryDirectory() as scratch,
+        ProcessPoolExecutor(1, mp_context=new, max_tasks_per_child=1) as pool,
+    ):
         for number, model in enumerate(given.models):
             folder = (given.keep or Path(scratch)) / f"{number:02d}-{model.stem}"
-            lines.append(row(model, folder, given))
-            print(lines[-1], flush=True)
-    table = "\n".join(["", stamp(), "", effort(given), "", *lines]) + "\n"
+            rows.append(pool.submit(row, model, folder, given).result())
+            print(rows[-1], flush=True)
+    title = "\n".join([stamp(), "", effort(given), "", *head]) + "\n"
+    body = "\n".join(rows) + "\n"
     if given.write:
-        given.write.write_text(HEAD + table)
+        given.write.write_text(f"{HEAD}\n{title}{body}")
     if given.add:
-        given.add.write_text(given.add.read_text() + table)
+        page = given.add.read_text()
+        same = title in page and "\n\n" not in page.rpartition(title)[2]
+        given.add.write_text(page + (body if same else f"\n{title}{body}"))
 
 
 def effort(given: argparse.Namespace) -> str:

@@ -58,6 +58,11 @@ class Outcome:
             return cls(float(found["seconds"]), str(found["messages"]), **kinds)
 
 
+def numbered(name: str) -> str:
+    """Return the name of a set for that of a picture with a number of four digits."""
+    return re.sub(r"\d{4}\.hdr$", "%04d.hdr", name)
+
+
 @dataclass(frozen=True)
 class Room:
     """A copy of the tutorial's folder, in which scripts run one after the other.
@@ -132,8 +137,7 @@ class Room:
                 if path.suffix == ".ill":
                     sensors[name] = read_matrix(path).values.ravel()
                 else:
-                    label = re.sub(r"\d{4}\.hdr$", "%04d.hdr", name)
-                    pictures[label].append(read_picture(path).radiance)
+                    pictures[numbered(name)].append(read_picture(path).radiance)
             except ClerestoryError:
                 # Scripts also loop over numbers that have no picture
                 continue

@@ -81,6 +81,17 @@ def test_rays_are_averaged_over_each_record(program):
     assert found[0, [0, 145]] == pytest.approx(0.5, rel=0.05)
 
 
+def test_rays_without_a_direction_are_black(program, field):
+    """As those of vwrays outside the circle of a fisheye view; -i is for the ground."""
+    (field / "rays").write_text("0 0 0 0 0 0\n0 0 0 0 0 0\n0 0 2 0 0 -1\n0 0 0 0 0 0\n")
+    words = ("-c", 2, "-", "sky.rad", "field.rad")
+    found = program("rfluxmtx", "-ab", 1, *words, stdin="rays")[0]
+    assert found.sum(axis=1) == pytest.approx([0, 0.5], rel=1e-6)
+    (field / "field.rad").write_text(FIELD + plane("black", 0, down=False))
+    found = program("rfluxmtx", "-i", "-ab", 1, *words, stdin="rays")[0]
+    assert found.sum(axis=1) == pytest.approx([0, np.pi / 2], rel=0.02)
+
+
 def test_receivers_have_outputs_by_their_modifiers(field):
     """-o %s.mtx: a matrix for each modifier, here of 1 and 145 columns."""
     words = ["-I+", "-ad", "64", "-o", "%s.mtx", "-", "sky.rad", "field.rad"]

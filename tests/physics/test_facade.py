@@ -11,6 +11,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.facade_matrices import joint_sum
 from clerestory.scene.model import Scene
+from clerestory.scene.window import window_of
 
 
 def pane(y, *, name="south", left=0.0, right=4.0, low=1.0, high=2.5, basis="full"):
@@ -102,6 +103,42 @@ def test_light_keeps_its_direction_through_each_port(device):
     mean = sum(F[port.name].values[0] @ in_scene(port) for port in ports)
     cosine = np.sum(mean * rows, axis=1) / np.linalg.norm(mean, axis=1)
     assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).max() < 4
+
+
+def test_one_port_around_the_window_keeps_all_patches(device):
+    """The five sides are one port, and its mean normal is that of the window."""
+    south = pane(0.0)
+    sides = tuple(polygon for port in ports_before(1.0) for polygon in port.polygons)
+    port = window_of(sides, name="port", faceted=True)
+    assert port.frame.normal == pytest.approx([0, 1, 0])
+    F = cl.facade_matrix(Scene(), south, port, samples=1024, device=device)
+    assert F.values[0] == pytest.approx(np.eye(145), abs=2e-6)
+
+
+def test_polygons_of_a_port_take_light_by_their_area_along_its_direction(device):
+    """A black sheet covers the upright square; the level one sees the sky."""
+    upright = quad((0, 0, 0), (0, 0, 1), (1, 0, 1), (1, 0, 0))
+    level = quad((0, 0, 1), (0, 2, 1), (1, 2, 1), (1, 0, 1))
+    y = -1e-4
+    sheet = quad((0, y, 0), (0, y, 1), (1, y, 1), (1, y, 0))
+    port = window_of((upright, level), name="port", faceted=True)
+    D = cl.daylight_matrix(
+        Scene({"wall": grey(0.0)}, (sheet,)), port, subdivision=1, samples=1 << 13,
+        device=device,
+    )  # fmt: skip
+    rng = np.random.default_rng(1)
+    turn, sine = 2 * np.pi * rng.random(1 << 18), np.sqrt(rng.random(1 << 18))
+    local = np.stack([sine * np.cos(turn), sine * np.sin(turn), np.sqrt(1 - sine**2)])
+    frame = port.frame
+    axes = np.stack([frame.right, frame.up, frame.normal])
+    inwards = local.T @ axes
+    seen = np.maximum(inwards @ np.array([[0, 1.0, 0], [0, 0, -2.0]]).T, 0)
+    share = seen[:, 1] / seen.sum(axis=1)
+    patch = port.partition.find(local.T)
+    expected = np.bincount(patch, share) / np.bincount(patch)
+    assert expected.min() < 0.1
+    assert expected.max() == 1
+    assert D.values[0].sum(axis=1) == pytest.approx(expected, abs=0.02)
 
 
 def test_a_white_tunnel_transmits_all_light(device):

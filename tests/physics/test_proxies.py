@@ -6,6 +6,8 @@ are scattered and leave beyond the sheet. Direct rays, view rays and rays from b
 pass the layer: they meet the sheet.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from physics_scenes import quad, sensor, window
@@ -17,7 +19,9 @@ from clerestory.hemisphere.klems import klems
 from clerestory.image.camera import Camera
 from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.rendering import irradiance
+from clerestory.phases.sky_views import sun_view_coefficients
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Plastic, Scene
+from clerestory.scene.ray_bundles import RayBundles
 
 TRANSMITTANCE = 0.4
 LAYER, SHEET, WINDOW = 2.0, 2.05, 2.5
@@ -106,3 +110,27 @@ def test_direct_sun_meets_the_geometry_and_scattered_sun_the_proxy(device):
         found = irradiance(place, UPWARDS, samples=1 << 14, bounces=1, device=device)
         expected = irradiance_of_sun * (straight + TRANSMITTANCE)
         assert found.irradiance[0] == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize(("distance", "lit"), [(0.45, 0), (0.55, 1)])
+def test_scattered_sunlight_enters_behind_the_geometry_of_a_proxy(
+    device, distance, lit
+):
+    """From 0.1 m above the layer, the sun at 45° clears a wall 0.5 m higher, at 0.5 m.
+
+    From the layer itself, the wall would shade up to 0.6 m. A view ray passes the layer
+    and meets nothing.
+    """
+    x, top = distance, LAYER + 0.6
+    wall = quad((x, -9, LAYER), (x, 9, LAYER), (x, 9, top), (x, -9, top))
+    place = scene(0.1, sheet=False)
+    walls = replace(wall, material="black")
+    place = replace(place, surfaces=(*place.surfaces, walls))
+    up, suns = np.array([[[0, 0, 1.0]]]), np.array([[1, 0, 1]]) / np.sqrt(2)
+    for indirect in (True, False):
+        found = sun_view_coefficients(
+            place, RayBundles(up, up), suns=suns, indirect=indirect, samples=1024,
+            device=device,
+        )  # fmt: skip
+        expected = indirect * lit * TRANSMITTANCE / np.pi / np.sqrt(2)
+        assert found.values[0, 0, 0] == pytest.approx(expected, rel=1e-3)

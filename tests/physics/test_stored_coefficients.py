@@ -8,10 +8,19 @@ import pytest
 import xarray as xr
 
 from clerestory.engine import controller
+from clerestory.metrics.space import DIRECT
+from clerestory.phases import illuminance as hourly
+from clerestory.phases.matrix_store import MatrixStore
+from clerestory.progress import silent
 from clerestory.study import results as study_results
 from clerestory.study.config import read_study
+from clerestory.study.inputs import read_inputs
+from clerestory.study.job import Job
+from clerestory.study.results import read_results
 from clerestory.study.run_plan import plan_study
 from clerestory.study.study_run import run_study
+from clerestory.study.study_skies import study_skies
+from clerestory.study.study_tracing import trace_study
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
 
@@ -86,3 +95,34 @@ def test_a_second_run_uses_the_files_of_the_first(write, tmp_path):
     first = run_study(study, out=tmp_path)
     assert plan_study(study, out=tmp_path).seconds == 0
     xr.testing.assert_identical(run_study(study, out=tmp_path).data, first.data)
+
+
+@pytest.mark.parametrize("memory_gb", [8.0, 0.0])
+def test_the_direct_sun_by_itself_is_the_term_of_all_light(write, tmp_path, memory_gb):
+    """Its error is that of C_ds alone, and at most that of all light."""
+    study = write("grey", memory_gb)
+    run_study(study, out=tmp_path)
+    data = read_results(tmp_path).data
+    np.testing.assert_array_equal(data["direct_open"], data["direct_sun"])
+    lit = data["direct_open"] > 0
+    assert np.all(data["direct_open_error"].values[~lit] == 0)
+    store = MatrixStore(tmp_path / "matrices")
+    job = Job(study, read_inputs(study), store, silent, scratch=tmp_path)
+    matrices = trace_study(job)
+    skies = study_skies(study, job.inputs, matrices.suns)
+    alone = matrices.direct_illuminance(skies, [])
+    for name, own in DIRECT.items():
+        np.testing.assert_array_equal(data[own], alone[name])
+
+
+def test_hourly_values_are_written_once(write, tmp_path, monkeypatch):
+    """The file of hourly values becomes that of the results."""
+    files, read = [], hourly.read_hourly
+
+    def noted(path, axes):
+        files.append(path.stat().st_ino)
+        return read(path, axes)
+
+    monkeypatch.setattr(hourly, "read_hourly", noted)
+    run_study(write("grey", 0.0), out=tmp_path)
+    assert files == [(tmp_path / "results.nc").stat().st_ino]

@@ -112,14 +112,14 @@ def test_a_run_that_was_killed_goes_on_with_the_next_block(
     study, traced = write(RULES["facade"], 0.0), []
     real = stored_views.estimate_rows
 
-    def dies(job, rows, effort):
+    def dies(job, rows, effort, **more):
         if rows.start:
             raise KeyboardInterrupt
-        return counts(job, rows, effort)
+        return counts(job, rows, effort, **more)
 
-    def counts(job, rows, effort):
+    def counts(job, rows, effort, **more):
         traced.append(rows.start)
-        return real(job, rows, effort)
+        return real(job, rows, effort, **more)
 
     monkeypatch.setattr(stored_views, "estimate_rows", dies)
     with pytest.raises(KeyboardInterrupt):

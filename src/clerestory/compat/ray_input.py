@@ -110,6 +110,11 @@ class RayOptions:
         )
         return replace(self, reading=both[0], writing=both[1])
 
+    @property
+    def seed(self) -> int:
+        """Seed of random numbers: other numbers of rays have independent errors."""
+        return (65537 * self.directions + self.count) % (1 << 32)
+
     def sensors(self, streams: Streams) -> Sensors:
         """Return the rays of standard input as irradiance sensors."""
         table = read_rays(streams.source, self.reading)

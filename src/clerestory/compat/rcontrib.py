@@ -16,7 +16,6 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.checks import require
-from clerestory.compat.proxied_geometry import scattering_scenes
 from clerestory.compat.ray_input import RAY_OPTIONS, RayOptions, Table, write_columns
 from clerestory.compat.streams import Streams
 from clerestory.compat.visible_surfaces import by_surface
@@ -185,17 +184,17 @@ def _received(
         ).values
         if not given.bounces or not _scatters(scene):
             return found
-        rays = _hemispheres(sensors, given.directions)
-        found = np.repeat(found, 3 // len(found), axis=0)
-        for some, own in scattering_scenes(scene, sensors.position):
-            here = RayBundles(rays.origin[some], rays.direction[some])
-            scattered = sun_view_coefficients(own, here, suns=suns, samples=rays.rays)
-            found[:, some] += np.pi * scattered.values
-        return found
+        rays = _hemispheres(sensors, given)
+        scattered = sun_view_coefficients(
+            scene, rays, suns=suns, samples=rays.rays, indirect=True, seed=given.seed
+        )
+        return np.asarray(found + np.pi * scattered.values)
 
     def along_rays(rays: RayBundles) -> Table:
         samples = max(4, rays.rays)
-        seen = sun_view_coefficients(scene, rays, suns=suns, samples=samples).values
+        seen = sun_view_coefficients(
+            scene, rays, suns=suns, samples=samples, seed=given.seed
+        ).values
         return np.asarray(seen + _discs(scene, rays, suns) / _SUN_SR)
 
     if isinstance(receivers, Sensors):
@@ -224,10 +223,11 @@ def _scatters(scene: Scene) -> bool:
     )
 
 
-def _hemispheres(sensors: Sensors, count: int) -> RayBundles:
+def _hemispheres(sensors: Sensors, given: RayOptions) -> RayBundles:
     # Rays of each sensor, distributed by the cosine to its direction, each turned
+    count = given.directions
     k, golden = np.arange(count) + 0.5, np.pi * (3 - np.sqrt(5))
-    turn = np.random.default_rng(0).random((len(sensors), 1))
+    turn = np.random.default_rng(given.seed).random((len(sensors), 1))
     radius, angle = np.sqrt(k / count), golden * k + 2 * np.pi * turn
     flat = np.broadcast_to(np.sqrt(1 - radius**2), angle.shape)
     local = np.stack([radius * np.cos(angle), radius * np.sin(angle), flat], -1)

@@ -46,7 +46,7 @@ _GRAMMAR = Grammar("rfluxmtx", {**IGNORED, **RAY_OPTIONS}, ("-f",))
 # Radiance traces -ad rays at the first surface of each of -c rays of a pixel, this
 # program one path with next-event estimation: as many paths as -c times this share of
 # -ad have about the same noise
-_PATHS = 32
+_PATHS = 8
 
 # Paths per ray (-ad of sensors, -c of windows). In the tutorial's room, daylight
 # coefficients of 10,000 rays have less noise from rcontrib, since its rays have one
@@ -121,6 +121,7 @@ def _effort(given: RayOptions, streams: Streams, samples: int) -> Effort:
     return Effort(
         samples=max(samples, 64),
         bounces=given.bounces,
+        seed=given.seed,
         progress=streams.progress,
         components=False,
     )

@@ -19,8 +19,8 @@ from clerestory.scene.window import Window
 # Distance of sensors from the surfaces [m]
 _ABOVE = 1e-4
 
-# Number of rays in each block
-_BLOCK = 1 << 14
+# Number of rays in each block, and of paths along each ray without bounces
+_BLOCK, _PATHS = 1 << 14, 8
 
 Part = tuple[str | None, Table]
 
@@ -41,7 +41,7 @@ def by_surface(
     """
     blocks: list[list[Part]] = []
     every = max(1, _BLOCK // bundles.rays)
-    straight = replace(effort, bounces=0, samples=max(64, bundles.rays))
+    straight = replace(effort, bounces=0, samples=_PATHS * bundles.rays)
     for first in range(0, len(bundles), every):
         own = bundles.select(slice(first, first + every))
         seen = list(radiance(own, straight))
@@ -60,7 +60,10 @@ def _surfaces(
     scene: Scene, bundles: RayBundles, windows: Sequence[Window]
 ) -> tuple[Sensors, np.ndarray]:
     # Sensors on the surfaces that the rays meet, and whether each ray meets one
-    origin, towards = (a.reshape(-1, 3) for a in (bundles.origin, bundles.direction))
+    given = np.flatnonzero(bundles.valid)
+    origin, towards = (
+        a.reshape(-1, 3)[given] for a in (bundles.origin, bundles.direction)
+    )
     distance, normal = first_surfaces(scene, origin, towards)
     behind = np.full(len(origin), np.inf)
     if windows:
@@ -74,7 +77,9 @@ def _surfaces(
     met = np.isfinite(distance) & (distance <= behind)
     facing = -np.sign(np.sum(normal * towards, axis=1, keepdims=True)) * normal
     place = origin[met] + distance[met, None] * towards[met] + _ABOVE * facing[met]
-    return Sensors(place, facing[met]), met.reshape(len(bundles), -1)
+    of_ray = np.zeros(bundles.valid.shape, bool)
+    of_ray.flat[given] = met
+    return Sensors(place, facing[met]), of_ray
 
 
 def _add_means(total: np.ndarray, part: np.ndarray, met: np.ndarray) -> None:

@@ -6,10 +6,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from clerestory.engine.camera_rays import camera_rays
+from clerestory.engine.camera_rays import camera_rays, sampled_ray
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.path_tracer import PathTracer
-from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers
+from clerestory.engine.sampler import PathNumbers
 from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import vectors
 from clerestory.engine.vertices import sensor_vertex
@@ -113,9 +113,7 @@ class BeamPixels:
         return tracer.trace(sink, path, places.numbers, 1, valid)
 
     def _ray(self, places: Places):
-        numbers = places.numbers
-        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
-        return self.rays.through(places.row, x, y)
+        return sampled_ray(self.rays, places.row, places.numbers)
 
 
 def power_of_two(count: int) -> int:

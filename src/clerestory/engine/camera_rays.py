@@ -11,11 +11,20 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from clerestory.engine.sampler import (
+    DIRECTION_U,
+    DIRECTION_V,
+    PathNumbers,
+    random_number,
+)
 from clerestory.engine.upload import on_device, vectors
 from clerestory.image.camera import Camera, PixelsOrCells
 from clerestory.scene.ray_bundles import RayBundles
 from clerestory.scene.sphere_cells import SphereCells
 from clerestory.scene.view import View
+
+# Dimension of the random number that selects the ray of the first path of a bundle
+_FIRST_RAY = 0x30000
 
 
 @dataclass
@@ -106,6 +115,7 @@ class GivenRays:
 
     origin: mi.Point3f
     direction: mi.Vector3f
+    valid: mi.Bool
     rays: int
 
     @classmethod
@@ -114,7 +124,10 @@ class GivenRays:
         origin = (bundles.origin - bundles.position).reshape(-1, 3)
         towards = bundles.direction.reshape(-1, 3)
         return cls(
-            vectors(mi.Point3f, origin), vectors(mi.Vector3f, towards), bundles.rays
+            vectors(mi.Point3f, origin),
+            vectors(mi.Vector3f, towards),
+            on_device(mi.Bool, bundles.valid.ravel()),
+            bundles.rays,
         )
 
     def through(self, bundle, x, y):
@@ -124,7 +137,7 @@ class GivenRays:
         index = bundle * most + ray
         origin = dr.gather(mi.Point3f, self.origin, index)
         direction = dr.gather(mi.Vector3f, self.direction, index)
-        return mi.Ray3f(origin, direction), dr.full(mi.Bool, True, dr.width(index))
+        return mi.Ray3f(origin, direction), dr.gather(mi.Bool, self.valid, index)
 
 
 def camera_rays(camera: PixelsOrCells) -> CameraRays | CellRays | GivenRays:
@@ -136,6 +149,23 @@ def camera_rays(camera: PixelsOrCells) -> CameraRays | CellRays | GivenRays:
             return CellRays.of(camera)
         case RayBundles():
             return GivenRays.of(camera)
+
+
+def sampled_ray(
+    rays: CameraRays | CellRays | GivenRays, pixel: mi.UInt32, numbers: PathNumbers
+):
+    """Return the ray of a path through a pixel, and whether it is valid.
+
+    The paths of a pixel are distributed evenly over given rays: a choice at random of
+    few rays, one of which may see the window, has more variance than the paths.
+    """
+    if isinstance(rays, GivenRays):
+        share = mi.Float(numbers.index) / mi.Float(numbers.points.stride)
+        first, purpose = numbers.points.first, mi.UInt32(_FIRST_RAY)
+        x = share + random_number(numbers.seed, first, purpose)
+        return rays.through(pixel, x - dr.floor(x), mi.Float(0))
+    x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
+    return rays.through(pixel, x, y)
 
 
 def _from_square(point: mi.Point2f) -> mi.Vector3f:

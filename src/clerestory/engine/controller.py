@@ -136,9 +136,15 @@ def row_bytes(job: Job) -> int:
     return max(1, batches * columns * channels * 8)
 
 
-def estimate_rows(job: EstimatedJob, rows: slice, effort: Effort) -> Estimate:
-    """Estimate one block of rows (see `row_blocks`) independently of other blocks."""
-    sums, reached = sum_rows(job, rows, effort)
+def estimate_rows(
+    job: EstimatedJob, rows: slice, effort: Effort, *, few: int | None = None
+) -> Estimate:
+    """Estimate one block of rows (see `row_blocks`) independently of other blocks.
+
+    `few` is a number of error components, a divisor of that of batches, which takes
+    less memory. Longer batches may have one component each.
+    """
+    sums, reached = sum_rows(job, rows, effort, few=few)
     values = values_of(sums, job.batches) if job.derivatives else sums
     found = estimated(values, reached=reached, components=effort.components)
     if not job.derivatives:
@@ -148,20 +154,28 @@ def estimate_rows(job: EstimatedJob, rows: slice, effort: Effort) -> Estimate:
     return replace(found, derivatives=derivatives)
 
 
-def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool]:
+def sum_rows(
+    job: EstimatedJob, rows: slice, effort: Effort, *, few: int | None = None
+) -> tuple[Sums, bool]:
     """Trace rows in growing batches up to the number of samples or the target error.
 
-    Return the sums, and whether the target error was reached.
+    Return the sums, and whether the target error was reached. See `estimate_rows`.
     """
     numbers = np.arange(rows.start, rows.stop)
     sums, active = job.empty_sums(len(numbers)), np.full(len(numbers), True)
+    growth, merged = job.growth, job.batches // (few or job.batches)
+    # Merged fixed-point sums hold as many paths as others
+    fits = (effort.samples or 0) * merged <= job.batches * growth.longest
+    if merged > 1 and fits and not job.derivatives:
+        sums = Sums.merged((len(numbers), *job.shape[1:]), few or job.batches)
+        growth = replace(growth, longest=growth.longest // merged)
     if effort.samples is not None:
         length = -(-effort.samples // job.batches)
         lengthen(job, numbers, sums, active, length, effort)
         return sums, True
 
     aim, spent = effort.relative_error or 1.0, 0.0
-    lengths = BatchLengths.of(len(numbers), job.growth)
+    lengths = BatchLengths.of(len(numbers), growth)
     while lengths.active.any():
         length, share = lengths.step(sums.count)
         share *= 1 - spent

@@ -19,8 +19,8 @@ from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 
-# Difference of transmittances of probes, as a fraction of the largest, for which all
-# sample points of a pair are traced
+# Difference of transmittances at the rim of a source, as a fraction of the largest, for
+# which all sample points of a pair are traced
 _DIFFERENT = 0.01
 
 
@@ -74,8 +74,8 @@ def prepare_unscattered(job: UnscatteredJob) -> Tracer:
         means = np.zeros((rows * columns, job.batches, job.shape[3]))
         chosen = np.arange(len(row))
         if job.probes is not None:
-            light, chosen = rays.probed(row, column)
-            means[:] = light[:, None]
+            alike, chosen, found = rays.probed(row, column)
+            means[alike] = found
         few = max(1, LANES // (job.batches * job.points))
         for first in range(0, len(chosen), few):
             some = chosen[first : first + few]
@@ -99,29 +99,40 @@ class _ParallelRays:
 
     def probed(
         self, row: np.ndarray, column: np.ndarray
-    ) -> tuple[Float[np.ndarray, "pair channel"], Int[np.ndarray, " differing"]]:
+    ) -> tuple[
+        Int[np.ndarray, " alike"],
+        Int[np.ndarray, " differing"],
+        Float[np.ndarray, "alike batch channel"],
+    ]:
         """Trace the probes of pairs of a sensor and a source.
 
-        Return the mean light of each pair, transmittance times cosine, and the indices
-        of the pairs whose probes differ in transmittance.
+        Return the indices of pairs that are alike at the rim of the source and receive
+        light, those of pairs that differ at the rim, and the mean light of the former
+        by batch. All others receive none.
         """
-        count = self._job.first_rays
+        job = self._job
+        count, inside = job.first_rays, job.inside
         with launching():
             share, cosine = self._traced(row, column, self._probes, count)
             dr.eval(share, cosine)
             found = np.stack([each.numpy() for each in share], axis=-1)
             weight = cosine.numpy()
-        rays, light = (
-            found.reshape(len(row), count, -1),
-            np.zeros((len(row), len(share))),
-        )
 
         # Most sensors are in the shade of most suns
+        rays = found.reshape(len(row), count, -1)
         lit = np.flatnonzero(rays.any(axis=(1, 2)))
-        rays = rays[lit]
-        light[lit] = (rays * weight.reshape(-1, count, 1)[lit]).mean(axis=1)
-        low, high = rays.min(axis=1), rays.max(axis=1)
-        return light, lit[np.any(high - low > _DIFFERENT * high, axis=1)]
+        rays, weight = rays[lit], weight.reshape(-1, count, 1)[lit]
+        rim = rays[:, :-inside]
+        low, high = rim.min(axis=1), rim.max(axis=1)
+        differ = np.any(high - low > _DIFFERENT * high, axis=1)
+
+        # The mean cosine is known: where all rays agree, the light has no variance
+        rays, weight, rim = rays[~differ], weight[~differ], rim[~differ]
+        middle = weight[:, :-inside].mean(axis=1, keepdims=True)
+        here = weight[:, -inside:]
+        light = rays[:, -inside:] * here
+        light -= rim.mean(axis=1, keepdims=True) * (here - middle)
+        return lit[~differ], lit[differ], _by_batch(light, job.batches)
 
     def means(
         self, row: np.ndarray, column: np.ndarray
@@ -152,3 +163,15 @@ class _ParallelRays:
         share = transmittance(self._model, start, along(towards), active)
         channels = self._job.shape[3]
         return [dr.select(active, share[c], 0) for c in range(channels)], cosine
+
+
+def _by_batch(
+    light: Float[np.ndarray, "pair ray channel"], batches: int
+) -> Float[np.ndarray, "pair batch channel"]:
+    # Means of batches whose mean, and standard error of the mean, are those of the rays
+    rays = light.shape[1]
+    mean = light.mean(axis=1, keepdims=True, dtype=float)
+    found = np.repeat(mean, batches, axis=1)
+    scale = np.sqrt(batches * (batches - 1) / (rays * (rays - 1)))
+    found[:, :rays] += scale * (light - mean)
+    return found

@@ -30,6 +30,10 @@ from clerestory.scene.window import Window
 # Rows with a sum below this fraction of the mean sum need not reach the target error
 _DARK = 0.01
 
+# Sensors with less irradiance from windows or a sky of unit radiance need not reach it
+# either [sr]: 0.5 % of that of an unobstructed sensor
+_FAINT = 5e-3 * np.pi
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MatrixJob(EstimatedJob):
@@ -63,7 +67,7 @@ class _SensorJob(MatrixJob):
 
     def error(self, sums: Sums) -> Float[np.ndarray, " row"]:
         """Relative error of the irradiance of each sensor from all columns together."""
-        return row_errors(values_of(sums, self.batches))
+        return row_errors(values_of(sums, self.batches), least=_FAINT)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -238,14 +242,15 @@ def mean_error(values: np.ndarray, *, axis: int) -> float:
     return error / mean if mean > 0 else 0.0
 
 
-def row_errors(sums: Sums) -> Float[np.ndarray, " row"]:
+def row_errors(sums: Sums, *, least: float = 0.0) -> Float[np.ndarray, " row"]:
     """Return the relative standard error of the sum of each row.
 
-    For sums below 1 % of the mean sum, the error is relative to 1 % of the mean sum.
+    For sums below 1 % of the mean sum or below `least`, the error is relative to the
+    larger of these.
     """
     irradiance = sums.collected()
     mean = irradiance.mean(axis=1)
     error = np.sqrt(variance(irradiance, axis=1))
-    floor = np.maximum(mean, _DARK * mean.mean())
+    floor = np.maximum(mean, max(_DARK * mean.mean(), least))
     share: np.ndarray = error / np.where(floor > 0, floor, 1)
     return np.asarray(share.max(axis=-1))

@@ -12,7 +12,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import UInt64
 
-from clerestory.engine.camera_rays import camera_rays
+from clerestory.engine.camera_rays import camera_rays, sampled_ray
 from clerestory.engine.controller import EstimatedJob
 from clerestory.engine.derivative_sums import Places
 from clerestory.engine.lower import LoweredScene, lower
@@ -29,7 +29,7 @@ from clerestory.engine.origin import Origin, middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.primary_rays import Lanes, lanes, window_ray
-from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, points
+from clerestory.engine.sampler import points
 from clerestory.engine.sinks import DerivativeSink, MatrixSink, by_place, empty_sums
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.window_sampling import (
@@ -103,10 +103,8 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     limit = segments_of(job.bounces)
 
     def launch(sink: MatrixSink, paths: Lanes, _: Unit) -> None:
-        numbers = paths.numbers
-        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
-        ray, valid = rays.through(paths.number, x, y)
-        tracer.trace(sink, tracer.camera_path(ray), numbers, limit, valid)
+        ray, valid = sampled_ray(rays, paths.number, paths.numbers)
+        tracer.trace(sink, tracer.camera_path(ray), paths.numbers, limit, valid)
 
     stream = _PIXELS_DIRECT if job.light == "direct" else _PIXELS
     return matrix_tracer(job, launch, stream=stream)

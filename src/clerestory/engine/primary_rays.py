@@ -66,6 +66,7 @@ def window_ray(window: WindowTable, paths: Lanes) -> mi.Ray3f:
     numbers = paths.numbers
     a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
     u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
-    point, number = window.sample_point(a, b)
-    local = window.tables[0].sample(paths.number, u, v)
-    return mi.Ray3f(point, -window.to_scene(number, local))
+    direction = window.to_scene(
+        mi.UInt32(0), window.tables[0].sample(paths.number, u, v)
+    )
+    return mi.Ray3f(window.sample_point_along(direction, a, b), -direction)

@@ -5,7 +5,7 @@ increments the revision if the code that matrices depend on has changed, as requ
 a test.
 """
 
-ESTIMATOR_REVISION = 54
+ESTIMATOR_REVISION = 60
 
 # SHA-256 of the sources of this revision
-ESTIMATOR_DIGEST = "c05b670c5ad7f60bd98d001e4ffef2d78f2fd26f5549bb9bda402d6aed35aca0"
+ESTIMATOR_DIGEST = "cecef1b4f1188efb81de45922f5555c6f3309fa0259a39b62fe3ad287c234622"

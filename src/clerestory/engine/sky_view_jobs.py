@@ -56,7 +56,9 @@ class SkyViewJob(MatrixJob):
 class SunViewJob(Job):
     """Radiance of pixels or cells per direct normal irradiance of suns [1/sr].
 
-    `samples` is the number of paths per pixel and sun.
+    `samples` is the number of paths per pixel and sun; `indirect` is whether the paths
+    start with a bounce at a surface, so that the BSDF of a proxy scatters them, and not
+    its geometry.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("sky_view_tracers", "prepare_sun_view")
@@ -64,6 +66,7 @@ class SunViewJob(Job):
     camera: PixelsOrCells
     suns: Float[np.ndarray, "sun 3"]
     samples: int
+    indirect: bool = False
 
     @property
     def points(self) -> int:

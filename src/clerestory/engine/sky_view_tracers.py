@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.constants import SUN_DIAMETER
-from clerestory.engine.camera_rays import camera_rays
+from clerestory.engine.camera_rays import camera_rays, sampled_ray
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.matrix_tracers import matrix_tracer
 from clerestory.engine.next_event_estimation import (
@@ -30,8 +30,6 @@ from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.sampler import (
     CONNECT_U,
     CONNECT_V,
-    DIRECTION_U,
-    DIRECTION_V,
     PathNumbers,
     mix,
     points,
@@ -84,10 +82,8 @@ def prepare_sky_view(job: SkyViewJob) -> Tracer:
     rays, limit = camera_rays(job.camera), segments_of(job.bounces)
 
     def launch(sink: MatrixSink, paths: Lanes, _: Unit) -> None:
-        numbers = paths.numbers
-        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
-        ray, valid = rays.through(paths.number, x, y)
-        tracer.trace(sink, tracer.camera_path(ray), numbers, limit, valid)
+        ray, valid = sampled_ray(rays, paths.number, paths.numbers)
+        tracer.trace(sink, tracer.camera_path(ray), paths.numbers, limit, valid)
 
     return matrix_tracer(job, launch, stream=_STREAM)
 
@@ -111,15 +107,15 @@ def prepare_sun_view(job: SunViewJob) -> Tracer:
         stream = mix(sun, dr.opaque(mi.UInt32, job.seed))
         key = mi.sample_tea_32(pixel * batches + slot % batches, stream)[0]
         numbers = PathNumbers(sequence, key, index, mi.UInt32(0))
-        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
         place = mi.Point2f(numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V))
         local = mi.warp.square_to_uniform_cone(place, float(np.cos(SUN_DIAMETER / 2)))
         with launching():
             middle = dr.gather(mi.Vector3f, vectors(mi.Vector3f, job.suns), sun)
             disc = DistantSun(model, mi.Frame3f(middle).to_world(local))
             tracer = PathTracer(model, (disc,), 1.0, direct_only=True)
-            ray, valid = rays.through(pixel, x, y)
-            light = tracer.trace(sink, tracer.camera_path(ray), numbers, 1, valid)
+            ray, valid = sampled_ray(rays, pixel, numbers)
+            path = tracer.path(ray, 1, 0, camera=not job.indirect)
+            light = tracer.trace(sink, path, numbers, 1, valid)
             dr.eval(light)
             total = dr.block_reduce(dr.ReduceOp.Add, light, samples).numpy()
         values = (total / samples).T.reshape(len(unit.rows), suns, batches, -1)

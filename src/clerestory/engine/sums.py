@@ -5,7 +5,7 @@ variance of the batch means. Fixed-point sums are exact in any order of addition
 floating-point sums are added in the order of the units.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -58,12 +58,14 @@ class Sums:
     """Sums of the path contributions of some rows, in fixed or floating point.
 
     `count` is the number of sample points that each batch of a row has traced; a path
-    of weight 1 adds `one` to a sum.
+    of weight 1 adds `one` to a sum. Where consecutive batches are merged into fewer,
+    `of_batches` has the sums of each batch over all columns.
     """
 
     total: np.ndarray
     count: Int[np.ndarray, " row"]
     one: float = FIXED_POINT
+    of_batches: np.ndarray | None = None
 
     @classmethod
     def empty(
@@ -72,6 +74,21 @@ class Sums:
         """Return zero sums over (row, batch, column, channel)."""
         return cls(np.zeros(shape, kind), np.zeros(shape[0], np.int64), one)
 
+    @classmethod
+    def merged(cls, shape: tuple[int, int, int, int], groups: int) -> "Sums":
+        """Return zero fixed-point sums whose batches are merged into `groups`."""
+        rows, batches, columns, channels = shape
+        sums = cls.empty(np.uint64, (rows, groups, columns, channels))
+        of_batches = np.zeros((rows, batches, channels), np.uint64)
+        return replace(sums, of_batches=of_batches)
+
+    @property
+    def merged_batches(self) -> int:
+        """Number of batches that each sum has."""
+        if self.of_batches is None:
+            return 1
+        return int(self.of_batches.shape[1] // self.total.shape[1])
+
     def add(
         self,
         rows: Int[np.ndarray, " some"],
@@ -79,6 +96,13 @@ class Sums:
         columns: Int[np.ndarray, " some_columns"] | None = None,
     ) -> None:
         """Add the sums of a unit that has all columns, or consecutive columns."""
+        if self.of_batches is not None:
+            # Row by row, as the sums of one fit in the processor's cache
+            _, groups, *size = self.total.shape
+            for row, own in zip(rows.tolist(), part, strict=True):
+                self.total[row] += own.reshape(groups, -1, *size).sum(axis=1)
+                self.of_batches[row] += own.sum(axis=1)
+            return
         chosen: slice | np.ndarray = rows
         if rows[-1] - rows[0] == len(rows) - 1:
             chosen = slice(rows[0], rows[-1] + 1)
@@ -89,13 +113,16 @@ class Sums:
 
     def means(self) -> Float[np.ndarray, "row batch column channel"]:
         """Return the mean path weight of each batch, by row and column."""
-        means: np.ndarray = self.total / (self.one * self.count[:, None, None, None])
+        one = self.one * self.merged_batches
+        means: np.ndarray = self.total / (one * self.count[:, None, None, None])
         return means
 
     def collected(self) -> Float[np.ndarray, "row batch channel"]:
         """Return the mean path weight of each batch, summed over all columns."""
-        means: np.ndarray = self.total.sum(axis=2)
-        return means / (self.one * self.count[:, None, None])
+        means = self.of_batches
+        if means is None:
+            means = self.total.sum(axis=2)
+        return np.asarray(means / (self.one * self.count[:, None, None]))
 
 
 def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
@@ -113,11 +140,12 @@ def estimated(sums: Sums, *, reached: bool, components: bool) -> Estimate:
     deviations = np.empty(shape, np.float32) if components else None
     few = max(1, _CACHED // max(1, sums.total[:1].nbytes))
     for part in (slice(n, n + few) for n in range(0, rows, few)):
-        means = Sums(sums.total[part], sums.count[part], sums.one).means()
+        means = replace(sums, total=sums.total[part], count=sums.count[part]).means()
         mean = means.mean(axis=1)
         values[:, part] = np.moveaxis(mean, -1, 0)
         if deviations is not None:
             means -= mean[:, None]
             means /= np.sqrt(batches * (batches - 1))
             deviations[:, :, part] = np.moveaxis(means, (1, 3), (0, 1))
-    return Estimate(values, deviations, int(sums.count.sum()) * batches, reached)
+    paths = int(sums.count.sum()) * batches * sums.merged_batches
+    return Estimate(values, deviations, paths, reached)

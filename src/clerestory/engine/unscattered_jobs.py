@@ -28,8 +28,10 @@ class UnscatteredJob(EstimatedJob):
     Each column has one source; `directions` are unit vectors to sample points of the
     source, batch by batch. `samples` is the number of rays per sensor and source.
     If there are `probes`, directions to other points of the source, the samples are
-    traced only for pairs of sensor and source whose probes differ in transmittance,
-    such as sensors in the penumbra of the sun; other pairs get the mean of the probes.
+    traced only for pairs of sensor and source whose first probes, at the rim of the
+    source, differ in transmittance, such as sensors in the penumbra of the sun. The
+    estimate of other pairs is the mean of the `inside` last probes, independent random
+    points of the source. It is unbiased, as these have no part in the choice.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
@@ -39,6 +41,7 @@ class UnscatteredJob(EstimatedJob):
     sensors: Sensors
     directions: Float[np.ndarray, "column point 3"]
     probes: Float[np.ndarray, "column probe 3"] | None = None
+    inside: int = 0
 
     @property
     def shape(self) -> tuple[int, int, int, int]:

@@ -12,13 +12,13 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.camera_rays import camera_rays
+from clerestory.engine.camera_rays import camera_rays, sampled_ray
 from clerestory.engine.channels import channels_of
 from clerestory.engine.lower import lower
 from clerestory.engine.origin import Origin
 from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.primary_rays import Lanes, lanes
-from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, points
+from clerestory.engine.sampler import points
 from clerestory.engine.sinks import RecordSink
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.vertices import sensor_vertex
@@ -44,10 +44,8 @@ def prepare_pixels(job: PixelWindowPaths) -> Tracer:
     limit = segments_of(None)
 
     def launch(sink: RecordSink, paths: Lanes) -> mi.UInt32:
-        numbers = paths.numbers
-        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
-        ray, valid = rays.through(paths.number, x, y)
-        return tracer.trace(sink, tracer.camera_path(ray), numbers, limit, valid)
+        ray, valid = sampled_ray(rays, paths.number, paths.numbers)
+        return tracer.trace(sink, tracer.camera_path(ray), paths.numbers, limit, valid)
 
     return _recorder(job, launch)
 

@@ -107,13 +107,13 @@ class WindowPatches(Source):
         role = dr.gather(mi.UInt32, self.model.window_of_shape, shape, active)
         at_window = active & (role > 0)
         window = role - 1
-        normal = dr.gather(mi.Vector3f, windows.normal, window, at_window)
-        cosine = -dr.dot(path.ray.d, normal)
         first = dr.gather(mi.UInt32, windows.first_element, window, at_window)
         element = first + (si.prim_index >> 1)
+        normal = dr.gather(mi.Vector3f, windows.facing, element, at_window)
+        cosine = -dr.dot(path.ray.d, normal)
         pdf = windows.pdf(path.point, element, si.p, cosine)
         column = self.column(window, -path.ray.d, si.p)
-        front = at_window & (cosine > 1e-6)
+        front = at_window & (cosine > 1e-6) & windows.shines(window, -path.ray.d)
         return Emission(mi.Color3f(1), front, SAMPLES * pdf, column), at_window
 
     def samples(
@@ -142,7 +142,7 @@ class WindowPatches(Source):
         return LightSample(
             direction,
             SAMPLES * pdf,
-            (cosine > 1e-6) & vertex.continues,
+            (cosine > 1e-6) & vertex.continues & windows.shines(window, -direction),
             arriving,
             self.column(window, -direction, point),
             heuristic=None if self.direct else balance_heuristic,

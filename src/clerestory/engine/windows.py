@@ -38,6 +38,8 @@ class WindowTable:
     chosen, area : distribution of the elements by area, and their total area [m²]
     window : index of each element's window
     first_element : index of each window's first element; an element has two faces
+    facing : normal of each element, of the frame unless its window is faceted
+    facets : normals times areas [m²], if a window is faceted
     right, up, normal : unit vectors of each window's frame
     first, tables : matrix column of each window's first patch, and the partition
     columns : number of patches of all windows
@@ -49,6 +51,8 @@ class WindowTable:
     area: mi.Float
     window: mi.UInt32
     first_element: mi.UInt32
+    facing: mi.Vector3f
+    facets: mi.Vector3f | None
     right: mi.Vector3f
     up: mi.Vector3f
     normal: mi.Vector3f
@@ -85,12 +89,33 @@ class WindowTable:
         point = self.elements.take(element).point(*fold(u, v, triangle))
         return point, dr.gather(mi.UInt32, self.window, element)
 
+    def sample_point_along(self, direction, u, v):
+        """Sample a point uniformly by the area of one window seen along a direction.
+
+        The direction is that of light which enters. Areas of polygons of one normal
+        have constant ratios, so that they are sampled by area.
+        """
+        if self.facets is None:
+            return self.sample_point(u, v)[0]
+        element, rest = _facet_along(self.facets, direction, u)
+        triangle = ~dr.gather(mi.Bool, self.rectangle, element)
+        return self.elements.take(element).point(*fold(rest, v, triangle))
+
+    def shines(self, window, direction):
+        """Whether light that leaves a window in a direction is in one of its patches.
+
+        It always is if it leaves the front of a window that is not faceted.
+        """
+        if self.facets is None:
+            return mi.Bool(True)
+        return dr.dot(dr.gather(mi.Vector3f, self.normal, window), direction) > 1e-6
+
     def sample_direction(self, origin, u, v):
         """Sample a direction from a point to the windows, regardless of visibility.
 
         Return the sampled point, the direction to it, its window, the cosine of the
-        angle between window normal and reversed direction, and the density of the
-        direction [1/sr].
+        angle between the normal at the point and the reversed direction, and the
+        density of the direction [1/sr].
         """
         element, _, rest = self.chosen.sample(u)
         by_area, window = self.sample_point(u, v)
@@ -99,14 +124,14 @@ class WindowTable:
         point = origin + view.right * x + view.up * y + view.axis * view.depth
         point = dr.select(view.usable, point, by_area)
         direction = dr.normalize(point - origin)
-        cosine = -dr.dot(direction, dr.gather(mi.Vector3f, self.normal, window))
+        cosine = -dr.dot(direction, dr.gather(mi.Vector3f, self.facing, element))
         pdf = self._pdf(element, view, dr.squared_norm(point - origin), cosine)
         return point, direction, window, cosine, pdf
 
     def pdf(self, origin, element, point, cosine):
         """Return the density of sampling the direction to a point of an element [1/sr].
 
-        `cosine` is that of the angle between window normal and reversed direction.
+        `cosine` is that of the angle between its normal and the reversed direction.
         """
         view = self._view(origin, element)
         return self._pdf(element, view, dr.squared_norm(point - origin), cosine)
@@ -133,6 +158,30 @@ class _Element:
         a, b, d = self.corner, self.corner + self.edge_u, self.corner + self.edge_v
         c = b + self.edge_v if self.rectangle else d
         return np.array([[a, b, c], [a, c, d]])
+
+
+@dr.syntax
+def _facet_along(facets: mi.Vector3f, direction: mi.Vector3f, u: mi.Float):
+    # Choose a facet by its area as seen along a direction; return its index, and `u`
+    # rescaled to [0, 1)
+    count, number = dr.opaque(mi.UInt32, dr.width(facets)), mi.UInt32(0)
+    total = mi.Float(0)
+    while number < count:
+        total += dr.maximum(
+            dr.dot(dr.gather(mi.Vector3f, facets, number), direction), 0
+        )
+        number += 1
+    left, chosen, share = u * total, mi.UInt32(0), mi.Float(1)
+    number = mi.UInt32(0)
+    searching = mi.Bool(True)
+    while searching & (number < count):
+        area = dr.maximum(dr.dot(dr.gather(mi.Vector3f, facets, number), direction), 0)
+        if area > 0:
+            chosen, share = mi.UInt32(number), mi.Float(area)
+        searching = (area == 0) | (left >= area)
+        left = dr.select(searching, left - area, left)
+        number += 1
+    return chosen, dr.clip(left / share, 0, 0.9999999)
 
 
 def window_shapes(
@@ -183,6 +232,11 @@ def _table(
     area = np.linalg.norm(np.cross(edge_u, edge_v), axis=1)
     area = area * np.where(rectangle, 1, 0.5)
     per_window = np.array([len(own) for own in elements])
+    facing = np.repeat([w.frame.normal for w in windows], per_window, axis=0)
+    faceted = np.repeat([w.faceted for w in windows], per_window)
+    across = np.cross(edge_u, edge_v)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    facing = np.where(faceted[:, None], across, facing)
     count = np.array([len(w.partition) for w in windows])
 
     # Windows with equal partitions share a table
@@ -198,6 +252,8 @@ def _table(
         area=on_device(mi.Float, area.sum()),
         window=on_device(mi.UInt32, np.repeat(np.arange(len(windows)), per_window)),
         first_element=on_device(mi.UInt32, np.cumsum(per_window) - per_window),
+        facing=vectors(mi.Vector3f, facing),
+        facets=vectors(mi.Vector3f, facing * area[:, None]) if faceted.any() else None,
         right=vectors(mi.Vector3f, np.array([w.frame.right for w in windows])),
         up=vectors(mi.Vector3f, np.array([w.frame.up for w in windows])),
         normal=vectors(mi.Vector3f, np.array([w.frame.normal for w in windows])),

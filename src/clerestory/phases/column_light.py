@@ -10,9 +10,9 @@ grey rooms need one product instead of one per band.
 """
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int
@@ -118,16 +118,28 @@ class SkyLight:
 
     def received(self, matrix: Layers) -> Received:
         """Multiply a matrix and its error components by the radiance."""
-        layers, _, rows, _ = matrix.shape
+        layers, channels, rows, patches = matrix.shape
         shape = layers, rows, len(self.sky.times)
-        multiply = partial(sky_product, matrix, self.sky)
-        products = (multiply(w).reshape(shape) for w in self.weights)
+        if channels == 1 and self._weighted:
+            flat = matrix.reshape(-1, patches)
+            products = ((flat @ sky).reshape(shape) for sky in self._weighted)
+        else:
+            multiply = partial(sky_product, matrix, self.sky)
+            products = (multiply(w).reshape(shape) for w in self.weights)
         if len(self.weights) == 1:
-            return next(products)[:, None]
+            return np.asarray(next(products)[:, None])
         found = np.empty((layers, len(self.weights), *shape[1:]), np.float32)
         for channel, product in enumerate(products):
             found[:, channel] = product
         return found
+
+    @cached_property
+    def _weighted(self) -> list[Float32[np.ndarray, "patch step"]]:
+        # Radiance of sky and sun, summed over bands: what grey matrices multiply.
+        # Nothing for the sun alone, which is sparse
+        if not any(one.diffuse.any() for one in self.sky.parts):
+            return []
+        return [_weighted(self.sky, weights) for weights in self.weights]
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,13 +170,24 @@ def add_signed(
 ) -> None:
     """Add values of given sign to a total, in some of its time steps."""
     change = np.add if sign > 0 else np.subtract
-    # Consecutive steps at once, which is several times as fast as to index them
+    for some, own in runs(steps):
+        part = total[..., some]
+        change(part, values[..., own], out=part)
+
+
+def runs(steps: Int[np.ndarray, " step"]) -> Iterator[tuple[slice, slice]]:
+    """Yield runs of consecutive steps, and their places among all the steps.
+
+    Slices are several times as fast as indices.
+
+    >>> list(runs(np.array([3, 4, 7])))
+    [(slice(3, 5, None), slice(0, 2, None)), (slice(7, 8, None), slice(2, 3, None))]
+    """
     edges = [0, *(np.flatnonzero(np.diff(steps) != 1) + 1).tolist(), len(steps)]
     for first, last in itertools.pairwise(edges):
         if last > first:
             start = int(steps[first])
-            part = total[..., start : start + last - first]
-            change(part, values[..., first:last], out=part)
+            yield slice(start, start + last - first), slice(first, last)
 
 
 def sky_product(
@@ -175,8 +198,6 @@ def sky_product(
     """Return the product of matrices and sky radiance, as a weighted sum of bands."""
     patches = values.shape[-1]
     shape = len(weights), patches
-    if values.shape[-3] == 1 and any(one.diffuse.any() for one in sky.parts):
-        return np.asarray(values.reshape(-1, patches) @ _weighted(sky, weights))
     found = np.zeros((values[..., 0, :, 0].size, len(sky.times)), np.float32)
     for one in sky.parts:
         if one.diffuse.any():
@@ -192,7 +213,6 @@ def sky_product(
 def _weighted(
     sky: SkyMatrix, weights: Float[np.ndarray, " band"]
 ) -> Float32[np.ndarray, "patch step"]:
-    # Radiance of sky and sun, summed over bands: what a grey matrix multiplies
     found: np.ndarray = np.zeros(sky.parts[0].diffuse.shape, np.float32)
     for one in sky.parts:
         tint = np.broadcast_to(one.colour, (len(weights), len(found)))

@@ -88,13 +88,21 @@ def sun_view_coefficients(
     camera: PixelsOrCells,
     *,
     suns: Float[np.ndarray, "sun 3"],
+    indirect: bool = False,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Return C_ds: radiance of pixels per direct normal irradiance of suns [1/sr].
 
     It is the sunlight that the first visible surface scatters towards the eye, without
-    the discs of suns that are seen directly (see `sun_disc`). `suns` are unit vectors,
-    `samples` the number of paths per pixel and sun.
+    the discs of suns that are seen directly (see `sun_disc`).
+
+    Parameters
+    ----------
+    suns : unit vectors
+    indirect : whether the rays of `camera` start at a surface, into its hemisphere:
+        proxies then scatter them by their BSDF, as in Radiance, and not by the geometry
+        that they stand for
+    samples : number of paths per pixel and sun
     """
     effort = sun_effort(sun_view_coefficients, keywords, samples=SUN_SAMPLES)
     has_shape(suns, (len(suns), 3), "array of unit vectors to the suns")
@@ -103,6 +111,7 @@ def sun_view_coefficients(
         camera=camera,
         suns=suns,
         samples=effort.samples or SUN_SAMPLES,
+        indirect=indirect,
         **effort.job_options(_BATCHES),
     )
     one, other = trace_sun_view(job, effort)

@@ -78,10 +78,8 @@ def store_sun(
 
     See `unscattered_sun` for the other parameters.
     """
-    job, effort = sun_job(store_sun, scene, sensors, suns, keywords)
+    job, effort = sun_job(store_sun, scene, sensors, suns, keywords, batches=FEW)
     effort = replace(effort, components=True)
-    # The number of rays is given, so that few batches take no more rays
-    job = replace(job, batches=FEW)
     make = partial(traced_block, job, effort, what="direct-sun coefficients")
     stored = StoredViews(store(rows, make), tuple(rows))
     return StoredColumns(stored, sun_axis(len(suns)), 0)

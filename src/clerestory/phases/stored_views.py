@@ -188,7 +188,7 @@ def traced_block(
         axes[0].size / whole,
         f"{first:,} of {whole:,} sensors",
     )
-    block = estimate_rows(job, rows, replace(effort, progress=progress))
+    block = estimate_rows(job, rows, replace(effort, progress=progress), few=FEW)
     warn_if_short(block, f"{what} of sensors {first + 1} to {rows.stop}", effort)
     assert block.components is not None
     values, few = block.values.astype(np.float32), pooled(block.components, FEW)

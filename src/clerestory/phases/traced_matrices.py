@@ -63,7 +63,7 @@ def view_matrix(
     samples : number of paths per sensor
     relative_error : instead of samples: target standard error at every sensor, relative
         to its irradiance for a window of uniform radiance, or to 1 % of the mean over
-        the sensors if that is larger
+        the sensors or 0.5 % of an unobstructed sensor's if that is larger
     bounces : maximum number of gathers, as Radiance -ab; default unlimited
     seed : random seed ≥ 0; same seed and device, bitwise identical results
     device : "auto" selects a GPU if one is available

@@ -8,6 +8,8 @@ C_ds are for the direct correction of the two-phase method.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
+from math import ceil
 from typing import Any, Unpack
 
 import numpy as np
@@ -17,9 +19,10 @@ from clerestory.constants import R2
 from clerestory.engine import device as devices
 from clerestory.engine.controller import estimate
 from clerestory.engine.device import Device
-from clerestory.engine.effort import Effort, EffortKeywords
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.sums import BATCHES
 from clerestory.engine.unscattered_jobs import UnscatteredJob
+from clerestory.engine.work_units import Goal
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sky_axis, sun_axis
@@ -28,15 +31,19 @@ from clerestory.phases.direct_light import sun_effort
 from clerestory.phases.traced_matrices import sensors_axis
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
-from clerestory.sky.solar_disc import disc_points
+from clerestory.sky.solar_disc import GOLDEN_TURN, disc_points
 
-# Default number of rays per sensor and sky patch, and per sensor and sun
-_PATCH_SAMPLES, _SUN_SAMPLES = 32, 64
+# Default number of rays per sensor and sky patch, and per sensor and sun; largest
+# number of rays per sensor and sun for a relative error
+_PATCH_SAMPLES, _SUN_SAMPLES, _MOST_SAMPLES = 32, 64, 1024
 
-# Probes of the solar disc: eight at 0.99 and four at half of its radius, as shares of
-# the area within and angles in turns
-_DEPTH = np.repeat([0.99**2, 0.5**2], [8, 4])
-_ANGLE = np.concatenate([np.arange(8) / 8, np.arange(0.5, 4) / 4])
+# Probes of the solar disc: at 0.99 of its radius, and at independent random points
+_RIM, _INSIDE = 6, 4
+_RIM_RADIUS = 0.99
+
+# Standard error of the visible share of half a disc by one batch of n sample points:
+# _SPREAD n^-3/4 of the share, measured for straight edges
+_SPREAD = 0.6
 
 
 def unscattered_coefficients(
@@ -74,11 +81,12 @@ def unscattered_sun(
     """Direct-sun coefficients C_ds: irradiance per direct normal irradiance.
 
     `suns` are unit vectors, `samples` the number of rays per sensor and sun whose disc,
-    of diameter 0.533°, is partly visible. Other discs are found by twelve rays, eight
-    of them to the rim: up to 3 % of a disc that is taken as visible may be hidden by a
-    straight edge, or conversely. Finer openings, as of perforated sheets, that are less
-    than a tenth of the disc may be missed, and are better described by a BSDF. With
-    `centre`, a sensor sees all of a disc or nothing, as it sees its centre.
+    of diameter 0.533°, is partly visible. With `relative_error`, it is the number for
+    this standard error of half a disc at a straight edge, at most 1024. Partly visible
+    discs are found by six rays to the rim. Other discs are estimated by four random
+    rays, without bias: where they differ, as behind perforated sheets with holes finer
+    than the disc, the standard error is that of four rays. With `centre`, a sensor sees
+    all of a disc or nothing, as it sees its centre.
     """
     job, effort = sun_job(unscattered_sun, scene, sensors, suns, keywords)
     if centre:
@@ -95,17 +103,42 @@ def sun_job(
     sensors: Sensors,
     suns: Float[np.ndarray, "sun 3"],
     keywords: EffortKeywords,
+    *,
+    batches: int = BATCHES,
 ) -> tuple[UnscatteredJob, Effort]:
     """Return the tracing job of `unscattered_sun`, and its effort.
 
     `keywords` are those of the public function `function`.
     """
-    effort = sun_effort(function, keywords, samples=_SUN_SAMPLES)
-    directions = disc_points(suns, _points(len(suns), effort))
-    turn = np.random.default_rng(effort.seed).random((len(suns), 1))
-    places = np.broadcast_to(_DEPTH, (len(suns), len(_DEPTH))), _ANGLE + turn
-    probes = disc_points(suns, np.stack(places, axis=-1))
-    return _job(scene, sensors, directions, effort, probes), effort
+    effort = effort_of(
+        function, keywords, default=Goal(_SUN_SAMPLES), most_samples=1 << 20,
+        without=("bounces", "batches", "components"),
+    )  # fmt: skip
+    each = -(-(effort.samples or _MOST_SAMPLES) // batches)
+    if effort.relative_error is not None:
+        enough = ceil((_SPREAD / effort.relative_error / batches**0.5) ** (4 / 3))
+        each = min(each, enough)
+    effort = replace(effort, samples=batches * each, relative_error=None)
+    rng, count = np.random.default_rng(effort.seed), len(suns)
+    places = _spiral(rng.random((count, batches, 1, 2)), each)
+    directions = disc_points(suns, places.reshape(count, -1, 2))
+    angle = np.arange(_RIM) / _RIM + rng.random((count, 1))
+    rim = np.stack([np.full_like(angle, _RIM_RADIUS**2), angle], axis=-1)
+    places = np.concatenate([rim, rng.random((count, _INSIDE, 2))], axis=1)
+    job = _job(scene, sensors, directions, effort)
+    probes = disc_points(suns, places)
+    return replace(job, probes=probes, inside=_INSIDE, batches=batches), effort
+
+
+def _spiral(
+    start: Float[np.ndarray, "sun batch 1 2"], count: int
+) -> Float[np.ndarray, "sun batch point 2"]:
+    # Places of points of a disc that are evenly spread, and each uniform: on a spiral
+    # by the golden angle, with a random start
+    number = np.arange(count)[:, None]
+    share = (start[..., :1] + number) / count
+    angle = start[..., 1:] + number * GOLDEN_TURN
+    return np.concatenate([share, angle], axis=-1)
 
 
 def sun_visible(
@@ -150,14 +183,12 @@ def _job(
     sensors: Sensors,
     directions: Float[np.ndarray, "column point 3"],
     effort: Effort,
-    probes: Float[np.ndarray, "column probe 3"] | None = None,
 ) -> UnscatteredJob:
     return UnscatteredJob(
         scene=scene,
         sensors=sensors,
         directions=directions,
         samples=directions.shape[1],
-        probes=probes,
         **effort.job_options(),
     )
 

@@ -6,7 +6,7 @@ angular basis of a window (see `window_reader`), the Reinhart subdivision of the
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -21,7 +21,7 @@ from clerestory.radiance.statements import Directive, PolygonRun
 from clerestory.radiance.window_reader import Pane, basis_of, up_of, window_of_panes
 from clerestory.scene.primitive import Primitive
 from clerestory.scene.surface import DistantSource
-from clerestory.scene.window import Window
+from clerestory.scene.window import Window, are_parallel
 
 
 @dataclass(frozen=True)
@@ -94,9 +94,15 @@ def read_receivers(path: str | Path) -> tuple[Receiver, ...]:
         panes.setdefault(name, []).extend(Pane(p, basis, up) for p in item.polygons())
     require(found, "no surfaces; the surfaces of a receiver expected", file=path)
     return tuple(
-        half or WindowReceiver(window_of_panes(name, panes[name]), outputs[name])
+        half or WindowReceiver(_port(name, panes[name]), outputs[name])
         for name, half in found.items()
     )
+
+
+def _port(name: str, panes: Sequence[Pane]) -> Window:
+    # Window, or port whose polygons have several normals
+    several = not are_parallel(tuple(pane.polygon for pane in panes))
+    return window_of_panes(name, panes, faceted=several)
 
 
 def _sampled(

@@ -101,10 +101,15 @@ def _refuse_surface(placed: Placed) -> None:
         )
 
 
-def window_of_panes(name: str, panes: Sequence[Pane]) -> Window:
+def window_of_panes(
+    name: str, panes: Sequence[Pane], *, faceted: bool = False
+) -> Window:
     """Return the window of some panes; the first one gives basis and up vector."""
     polygons, first = tuple(pane.polygon for pane in panes), panes[0]
-    return window_of(polygons, name=name, up=first.up, partition=klems(first.basis))
+    partition = klems(first.basis)
+    return window_of(
+        polygons, name=name, up=first.up, partition=partition, faceted=faceted
+    )
 
 
 def _variables(

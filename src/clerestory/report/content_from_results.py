@@ -60,7 +60,7 @@ def from_results(
         illuminance=np.asarray(data["illuminance"].values, dtype=np.float32),
         standard_error=np.asarray(data["standard_error"].values, dtype=np.float32),
         occupied=occupied,
-        schedule=schedule_words(study.get("schedule", {})),
+        schedule=schedule_words(study.get("schedule", {}), data["time"].values),
         metrics=_metrics(data, occupied),
         sensors=SensorPoints(
             tuple(map(str, data["sensor"].values)),
@@ -94,17 +94,24 @@ def place_words(attrs: Mapping[Any, Any], study: Mapping[str, Any]) -> str:
     return f"{place} ({north}, {east})".strip()
 
 
-def schedule_words(schedule: Mapping[str, Any]) -> str:
-    """Return the occupied hours in words.
+def schedule_words(schedule: Mapping[str, Any], times: np.ndarray) -> str:
+    """Return the occupied hours of time steps in words.
 
-    >>> schedule_words({"from_hour": 8, "to_hour": 17.5})
+    >>> dates = np.array(["2023-03-21T12:30", "2023-03-22T12:30", "2023-06-21T12:30"])
+    >>> times, hours = dates.astype("datetime64[s]"), {"from_hour": 8, "to_hour": 17.5}
+    >>> schedule_words(hours, times[:2])
     'every day from 08:00 to 17:30'
+    >>> schedule_words(hours, times)
+    'on 3 days from 08:00 to 17:30'
     """
     if not schedule:
         return "at all hours"
     hours = schedule.get("from_hour", 8), schedule.get("to_hour", 18)
     start, end = (f"{int(hour):02d}:{round(hour % 1 * 60):02d}" for hour in hours)
-    return f"every day from {start} to {end}"
+    days = np.unique(times.astype("datetime64[D]"))
+    gaps = len(days) <= (days[-1] - days[0]).astype(int)
+    which = f"on {len(days)} days" if gaps else "every day"
+    return f"{which} from {start} to {end}"
 
 
 def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:

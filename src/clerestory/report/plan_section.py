@@ -37,7 +37,12 @@ def plans_section(content: ReportContent) -> Section:
         for metric in maps
     }
     return Section(
-        render("plans.html", grids=grids, sensor_table=_sensor_table(content)),
+        render(
+            "plans.html",
+            grids=grids,
+            windows=bool(content.windows),
+            sensor_table=_sensor_table(content),
+        ),
         {"grids": frames, "metrics": metrics},
     )
 

@@ -7,7 +7,7 @@ that `vwrays -c` sends through it.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from clerestory.array_types import Vector
 from clerestory.brief_repr import brief
@@ -22,11 +22,12 @@ class RayBundles:
     Attributes
     ----------
     origin : origins of the rays [m]
-    direction : directions of the rays; normalized to unit length
+    direction : directions of the rays; normalized to unit length. A ray of direction
+        zero has no radiance, as those of `vwrays` outside the circle of a view
 
     Raises
     ------
-    InputError : shapes do not match, a number is not finite, or a direction is zero
+    InputError : shapes do not match, or a number is not finite
 
     >>> up = RayBundles(np.zeros((1, 2, 3)), np.array([[[0.0, 0, 2], [0, 1, 1]]]))
     >>> len(up), up.rays, up.direction[0, 0].tolist()
@@ -41,7 +42,10 @@ class RayBundles:
     def __post_init__(self) -> None:
         has_shape(self.direction, self.origin.shape, "directions of the rays")
         finite(self.origin, "the coordinate of a ray", unit="m")
-        object.__setattr__(self, "direction", unit(self.direction))
+        finite(self.direction, "the direction of a ray")
+        given = self.valid[..., None]
+        direction = unit(np.where(given, self.direction, 1)) * given
+        object.__setattr__(self, "direction", direction)
 
     def __len__(self) -> int:
         return len(self.origin)
@@ -52,9 +56,15 @@ class RayBundles:
         return int(self.origin.shape[1])
 
     @property
+    def valid(self) -> Bool[np.ndarray, "bundle ray"]:
+        """Whether rays have a direction."""
+        return np.asarray(self.direction.any(axis=-1))
+
+    @property
     def position(self) -> Vector:
-        """Mean of the origins [m]."""
-        return np.asarray(self.origin.mean(axis=(0, 1)))
+        """Mean of the origins of valid rays [m]."""
+        own = self.origin[self.valid]
+        return np.asarray(own.mean(axis=0)) if len(own) else np.zeros(3)
 
     def scaled(self, factor: float) -> "RayBundles":
         """Return the bundles with all lengths multiplied."""

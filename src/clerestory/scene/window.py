@@ -1,4 +1,8 @@
-"""Window groups: coplanar or parallel polygons with a common angular basis."""
+"""Window groups: polygons with a common angular basis.
+
+The polygons are coplanar or parallel, but for the ports of façade matrices, which may
+enclose a shade on several sides.
+"""
 
 from dataclasses import dataclass
 
@@ -26,8 +30,14 @@ _SAME_NORMAL_DEG = 0.5
 class Window:
     """A window group: polygons with a common normal, whose fronts face the room.
 
-    `name` is the modifier of the polygons, or the name of the file. The normal of
-    `frame` points into the room. `partition` is the angular basis of front and back.
+    Attributes
+    ----------
+    name : modifier of the polygons, or name of the file
+    frame : its normal points into the room
+    partition : angular basis of front and back
+    faceted : whether the normals of polygons may differ, as those of a port that
+        encloses a shade: light of a direction then enters by every polygon that it
+        meets from behind
 
     Raises
     ------
@@ -38,6 +48,7 @@ class Window:
     polygons: tuple[Polygon, ...]
     frame: Frame
     partition: RingPartition
+    faceted: bool = False
 
     __repr__ = brief
 
@@ -48,7 +59,7 @@ class Window:
         cosine = unit(_normals(self.polygons)) @ self.frame.normal
         worst = int(np.argmin(cosine))
         angle = np.degrees(np.arccos(np.clip(cosine[worst], -1, 1)))
-        if angle > _SAME_NORMAL_DEG:
+        if angle > _SAME_NORMAL_DEG and not self.faceted:
             polygon = self.polygons[worst]
             raise error_at(
                 polygon.source,
@@ -73,10 +84,12 @@ def window_of(
     name: str,
     up: Vector | None = None,
     partition: RingPartition | None = None,
+    faceted: bool = False,
 ) -> Window:
     """Return a window group of polygons; the mean normal defines the frame.
 
     By default `up` is +z, or +y for a horizontal window, and the basis is Klems full.
+    Normals are weighted by area.
     """
     normal = unit(_normals(polygons).sum(axis=0))
     if up is None:
@@ -84,7 +97,14 @@ def window_of(
     place = vars(polygons[0].source) if polygons[0].source else {"file": None}
     with located(**place, subject=f'window "{name}"'):
         frame = Frame.from_normal_up(normal, up)
-    return Window(name, polygons, frame, partition or klems("full"))
+    return Window(name, polygons, frame, partition or klems("full"), faceted)
+
+
+def are_parallel(polygons: tuple[Polygon, ...]) -> bool:
+    """Whether the normals of all polygons are near their mean."""
+    normals = _normals(polygons)
+    least = (unit(normals) @ unit(normals.sum(axis=0))).min()
+    return bool(least >= np.cos(np.radians(_SAME_NORMAL_DEG)))
 
 
 def _normals(polygons: tuple[Polygon, ...]) -> Float[np.ndarray, "polygons 3"]:

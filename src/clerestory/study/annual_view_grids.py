@@ -18,7 +18,7 @@ from jaxtyping import Bool, Int
 
 from clerestory.files import replace_path
 from clerestory.glare.view_grid_metrics import ViewFigures, view_figures
-from clerestory.phases.illuminance import hourly_variable
+from clerestory.phases.hourly_file import hourly_variable
 from clerestory.phases.matrix_equation import States
 from clerestory.study.job import Display
 from clerestory.study.results import VIEWS

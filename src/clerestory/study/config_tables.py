@@ -205,7 +205,7 @@ class SunTable(Table):
 
     places: Literal["exact", "patches"] = "exact"
     tolerance_deg: float = Field(0.25, ge=0, le=5)
-    samples: int = Field(1024, ge=1, le=1 << 20)
+    samples: int | None = Field(None, ge=1, le=1 << 20)
     picture_samples: int = Field(16, ge=1, le=1 << 12)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from clerestory.files import replace_path
-from clerestory.phases.illuminance import hourly_variable
+from clerestory.phases.hourly_file import hourly_variable
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.study_matrices import StudyMatrices

@@ -17,6 +17,7 @@ from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing
 from clerestory.study.inputs import Inputs
 from clerestory.study.results import sensor_names
 from clerestory.study.shade_operation import ShadeOperation
+from clerestory.threads import computed_in_threads
 
 # Sensors per block in the computation of metrics: replicates of 8760 hours of a block
 # take 200 MB
@@ -57,7 +58,7 @@ def label_results(
             window_drawing([group.inner for group in inputs.groups]),
             layer_drawing(inputs.groups),
             _states(signals, acts),
-            _direct_sun(signals, hours),
+            _direct_sun(hourly, signals, hours),
             *(part.drop_vars("sensor", errors="ignore") for part in parts),
         ],
         combine_attrs="drop_conflicts",
@@ -127,12 +128,10 @@ def _blocks(hourly: xr.Dataset) -> Iterator[slice]:
 def _metrics(
     hourly: xr.Dataset, hours: Bool[np.ndarray, " time"], *, target_lux: float
 ) -> xr.Dataset:
-    return _joined(
-        [
-            sensor_metrics(hourly.isel(sensor=block), hours, target_lux=target_lux)
-            for block in _blocks(hourly)
-        ]
-    )
+    def of_block(block: slice) -> xr.Dataset:
+        return sensor_metrics(hourly.isel(sensor=block), hours, target_lux=target_lux)
+
+    return _joined(list(computed_in_threads(of_block, _blocks(hourly))))
 
 
 def _joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -184,20 +183,29 @@ def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:
     return found
 
 
-def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.Dataset:
-    # Direct sun illuminance with all shades in state 0, if direct light was traced
-    matrices = signals.matrices
+def _direct_sun(
+    hourly: xr.Dataset, signals: ControlInputs, hours: Bool[np.ndarray, " time"]
+) -> xr.Dataset:
+    # Direct sun illuminance with all shades in state 0, if direct light was traced and
+    # it is not among the hourly results
+    matrices, name = signals.matrices, DIRECT["illuminance"]
     if not matrices.has_direct:
         return xr.Dataset()
-    steps = len(signals.times)
-    opened = [np.zeros(steps, dtype=np.int64) for _ in signals.inputs.groups]
-    lux = matrices.direct_illuminance(signals.skies, opened)
-    found = lux.drop_vars(["sensor", "time"]).drop_attrs(deep=False).rename(DIRECT)
-    found, sun = found.assign_coords(time=signals.times), lux["illuminance"]
+    found, data = xr.Dataset(), hourly
+    if name not in hourly:
+        steps = len(signals.times)
+        opened = [np.zeros(steps, dtype=np.int64) for _ in signals.inputs.groups]
+        data = matrices.direct_illuminance(signals.skies, opened).rename(DIRECT)
+        found = data.drop_vars(["sensor", "time"]).drop_attrs(deep=False)
+        found = found.assign_coords(time=signals.times)
     if matrices.suns is None:
         return found  # ASE needs the sun at its true position
     step_hours = signals.step_minutes / 60
-    found["sun_hours"] = hours_above(sun, hours, step_hours=step_hours).variable
+    sun = [
+        hours_above(data[name].isel(sensor=block), hours, step_hours=step_hours)
+        for block in _blocks(data)
+    ]
+    found["sun_hours"] = xr.concat(sun, "sensor").variable
     return found
 
 

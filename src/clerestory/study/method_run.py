@@ -54,7 +54,7 @@ from clerestory.study.run_facts import run_facts
 from clerestory.study.run_log import RunLog
 from clerestory.study.sensitivity_results import sensitivity_results
 from clerestory.study.shade_operation import ShadeOperation, operate
-from clerestory.study.study_matrices import StudyMatrices
+from clerestory.study.study_matrices import HOURLY_FILE, StudyMatrices
 from clerestory.study.study_skies import study_skies
 from clerestory.study.study_tracing import trace_study
 from clerestory.study.total_uncertainty import total_uncertainty
@@ -118,9 +118,10 @@ def run_method(
         facts = run_facts(job, files, data, log)
         if title_block:
             facts["report"] = title_block.facts()
-        results = Results(data, facts)
-        save_results(results, out)
-        if any(scratch.iterdir()):
+        results, hourly = Results(data, facts), scratch / HOURLY_FILE
+        in_files = any(scratch.iterdir())
+        save_results(results, out, hourly=hourly if hourly.exists() else None)
+        if in_files:
             # Read hourly values from results.nc, as the scratch folder is deleted
             data.close()
             results = read_results(out)
@@ -155,7 +156,9 @@ def _simulate(
         )
         acts = operate(signals) if states is None else ShadeOperation(list(states))
     with log.phase("multiply"):
-        hourly = matrices.illuminance(skies, acts.states, progress=display("multiply"))
+        hourly = matrices.illuminance(
+            skies, acts.states, progress=display("multiply"), sun_apart=True
+        )
         electric = lighting(
             lamps,
             hourly,

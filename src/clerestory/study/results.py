@@ -21,7 +21,7 @@ from clerestory.checks import require
 from clerestory.documents import json_value
 from clerestory.errors import InputError
 from clerestory.files import is_file, read_bytes, read_text, replace_path, write_text
-from clerestory.phases.illuminance import hourly_variable
+from clerestory.phases.hourly_file import hourly_variable
 from clerestory.study.result_checks import check_results, check_run
 
 RESULTS_FILE = "results.nc"
@@ -79,20 +79,44 @@ class Results:
         return Results(data, {**self.run, "warnings": notes})
 
 
-def save_results(results: Results, folder: str | Path) -> Path:
-    """Write `results.nc` and `run.json` atomically; return the path of `results.nc`."""
+def save_results(
+    results: Results, folder: str | Path, *, hourly: Path | None = None
+) -> Path:
+    """Write `results.nc` and `run.json` atomically; return the path of `results.nc`.
+
+    `hourly` is a NetCDF file, on the same disk, that already contains some of the
+    hourly values under their names. It becomes `results.nc`.
+    """
     folder = Path(folder)
     data = storable(results.data.assign_attrs(format=_FORMAT))
-    hourly = [str(name) for name in data if _is_large(data[name])]
-    content = data.drop_vars(hourly).to_netcdf(engine="h5netcdf")
+    stored = () if hourly is None else _variables(hourly)
+    large = [str(name) for name in data if name in stored or _is_large(data[name])]
     write_text(
         folder / RUN_FILE, json.dumps(results.run, indent=2, sort_keys=True) + "\n"
     )
+    small = data.drop_vars(large)
     with replace_path(folder / RESULTS_FILE) as file:
-        file.write_bytes(content)
-        for name in hourly:
-            _append_hourly(file, name, data[name])
+        if hourly is None:
+            file.write_bytes(small.to_netcdf(engine="h5netcdf"))
+        else:
+            hourly.replace(file)
+            small.to_netcdf(file, mode="a", engine="h5netcdf")
+        for name in large:
+            if name in stored:
+                _describe_hourly(file, name, data[name])
+            else:
+                _append_hourly(file, name, data[name])
     return folder / RESULTS_FILE
+
+
+def _variables(path: Path) -> list[str]:
+    with h5netcdf.File(path, "r") as file:
+        return [str(name) for name in file.variables]
+
+
+def _describe_hourly(path: Path, name: str, data: xr.DataArray) -> None:
+    with h5netcdf.File(path, "a") as file:
+        file[name].attrs.update(data.attrs)
 
 
 def storable(data: xr.Dataset) -> xr.Dataset:

@@ -36,6 +36,9 @@ from clerestory.study.window_groups import state_label
 # Material of the traced window group
 _SHADE = "window shade"
 
+# Default number of paths per sensor for C_ds
+_SUN_SAMPLES = 1024
+
 # C and, with the direct correction, C_d
 _Coefficients = tuple[TransferMatrix, TransferMatrix | None]
 
@@ -89,7 +92,7 @@ def stored_coefficients(
     chains = [MatrixChain((columns,)) for columns in found]
     sun = None
     if suns is not None:
-        effort = _sun_effort(job)
+        effort = _disc_effort(job)
         key = fingerprint("sun", job.scene_key, sensors, suns.directions, effort)
         columns = store_sun(
             partial(job.blocks, "sun", key),
@@ -118,7 +121,7 @@ def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
     sensors = job.inputs.sensors()
     trace = partial(unscattered_sun, job.scene, sensors=sensors, suns=suns.directions)
     return [
-        MatrixChain((job.matrix("sun", trace, _sun_effort(job), shown="direct sun"),))
+        MatrixChain((job.matrix("sun", trace, _disc_effort(job), shown="direct sun"),))
     ]
 
 
@@ -185,7 +188,16 @@ def _traced(
 
 
 def _sun_effort(job: Job, stream: int = 0) -> Effort:
-    return job.direct_effort(SUN + stream, job.study.sun.samples)
+    samples = job.study.sun.samples or _SUN_SAMPLES
+    return job.direct_effort(SUN + stream, samples)
+
+
+def _disc_effort(job: Job) -> Effort:
+    # Without a number of rays, as many as the relative error of the study requires
+    error = job.effort().relative_error
+    if job.study.sun.samples or error is None:
+        return _sun_effort(job)
+    return replace(job.direct_effort(SUN), relative_error=error)
 
 
 def _sun(job: Job, number: int, at: int, *, suns: SunMatrix) -> TransferMatrix:

@@ -10,6 +10,7 @@ import xarray as xr
 from jaxtyping import Int
 
 from clerestory.errors import InputError
+from clerestory.metrics.space import DIRECT
 from clerestory.phases.illuminance import illuminance
 from clerestory.phases.illuminance_derivatives import illuminance_derivatives
 from clerestory.phases.matrix_equation import (
@@ -24,6 +25,9 @@ from clerestory.phases.recent_values import RecentValues
 from clerestory.progress import Progress
 from clerestory.sky.sun_matrix import SunMatrix
 from clerestory.spectral.alpha_opic import edi_weights
+
+# File of hourly results of large studies, in their scratch folder
+HOURLY_FILE = "illuminance.nc"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,16 +57,23 @@ class StudyMatrices:
         states: States,
         *,
         progress: Progress | None = None,
+        sun_apart: bool = False,
     ) -> xr.Dataset:
-        """Illuminance [lux] over (sensor, time), with its errors; see `illuminance`."""
+        """Illuminance [lux] over (sensor, time), with its errors; see `illuminance`.
+
+        With `sun_apart`, that of the direct sun at its true position is in the same
+        dataset, under the names of `DIRECT`, if all shades are in state 0.
+        """
+        opened = self.suns is not None and not any(map(np.any, states))
         return illuminance(
             self.windows,
             self.terms,
             skies,
             states,
-            file=self.folder and self.folder / "illuminance.nc",
+            file=self.folder and self.folder / HOURLY_FILE,
             progress=progress,
             recent=self.recent,
+            apart=DIRECT if sun_apart and opened else None,
         )
 
     def illuminance_derivatives(

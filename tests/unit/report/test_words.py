@@ -71,7 +71,8 @@ def test_southern_and_western_places_keep_their_side():
 
 
 def test_no_schedule_means_all_hours():
-    assert schedule_words({}) == "at all hours"
+    times = np.array(["2023-03-21T12:30"], "datetime64[s]")
+    assert schedule_words({}, times) == "at all hours"
 
 
 def test_facts_come_as_tables_whatever_they_are():
