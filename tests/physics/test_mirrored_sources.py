@@ -413,7 +413,8 @@ def test_each_of_many_sensors_sees_its_own_facet(device):
         lit(panes, (small,), CLEAR), materials={"sun": shine, "pane": CLEAR}
     )
     sensors = Sensors(place[whole], np.tile(UPWARDS, (whole.sum(), 1)))
-    found = irradiance(scene, sensors, samples=512, device=device)
+    # With 8 batches, 2 of 1000 sensors lie off by more than five estimated errors
+    found = irradiance(scene, sensors, samples=512, batches=32, device=device)
     off = np.abs(found.irradiance[:, 0] - direction[2] - mirrored[whole])
     assert len(off) > 1000
     assert np.mean(mirrored[whole] > 0.01) > 0.5

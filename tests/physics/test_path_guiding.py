@@ -36,14 +36,14 @@ def test_sunlit_points_do_not_decide_the_probabilities_in_the_shade(device):
     """A cell's own pilot samples tell its shares, however bright it is elsewhere.
 
     Thirty samples in each of two cells: in the shade one part has all the light, out
-    in the sun, ten thousand times as bright, the other. Eight of all samples beside
-    thirty of its own give a part (30 + 8/2)/38 of the squares.
+    in the sun, ten thousand times as bright, the other. Two of all samples beside
+    thirty of its own give a part (30 + 2/2)/32 of the squares.
     """
     sizes = load(device, "path_guiding").root_mean_squares
     samples = np.repeat([[1.0, 0.0], [0.0, 1e4]], 30, axis=0)
     found = sizes(samples, np.repeat([0, 1], 30), 3) ** 2
-    assert found[0] == pytest.approx([34 / 38, 4 / 38])
-    assert found[1] == pytest.approx([4 / 38, 34 / 38])
+    assert found[0] == pytest.approx([31 / 32, 1 / 32])
+    assert found[1] == pytest.approx([1 / 32, 31 / 32])
     assert found[2] == pytest.approx([0.5, 0.5])
 
 

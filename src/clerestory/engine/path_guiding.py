@@ -32,7 +32,7 @@ from clerestory.engine.upload import launching, vectors
 _MOST, _LEAST = 0.25, 0.02
 
 # Weight of the mean over the room in the estimate of a cell, as number of samples.
-_PRIOR = 8.0
+_PRIOR = 2.0
 
 # Number of segments of a pilot path.
 _SEGMENTS = 4

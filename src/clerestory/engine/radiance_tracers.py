@@ -35,6 +35,7 @@ from clerestory.engine.spherical_rectangle import Parallelograms, fold
 from clerestory.engine.sun_patches import sun_patches
 from clerestory.engine.upload import launching, on_device, search, vectors
 from clerestory.engine.visibility import first_hit
+from clerestory.engine.window_gaps import window_gaps
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 
@@ -169,7 +170,8 @@ def radiance_tracer(
     illuminated = with_learned_images(illuminated, places, sensors)
     patches = sun_patches(illuminated, places)
     layers = LayerPoints.of(scene, origin)
-    portals = learned_portals(illuminated, windows, patches, places, layers)
+    openings = windows + window_gaps(illuminated.model, windows, places)
+    portals = learned_portals(illuminated, openings, patches, places, layers)
     caustics = learned_caustics(scene, illuminated, origin, sensors)
     splits = _splits_lobes(scene, bounces)
     return illuminated.tracer(portals, caustics, split_lobes=splits)

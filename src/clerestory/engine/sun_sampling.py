@@ -150,7 +150,8 @@ class Suns(Source):
         self, vertex: Vertex, sun: SunSample, numbers: PathNumbers
     ) -> LightSample:
         # Sample along a window's lobe of sunlight, or towards a portal
-        u, v, pick = (numbers.extra(purpose) for purpose in (8, 9, 10))
+        u, v = (numbers.sobol(n, scrambling=1) for n in (CONNECT_U, CONNECT_V))
+        pick = numbers.extra(10)
         direction, valid = mi.Vector3f(0, 0, 1), mi.Bool(False)
         portals = self.portals if self.portals and self.portals.sunny else None
         if portals:
