@@ -8,17 +8,20 @@ Each file is imported and its study run by the command line, whole and with the 
 of a study or, to see that all models run, at some moments with few samples. Each is run
 in a process of its own; processor seconds do not include its start. `--add` adds a
 table to a page or, if its last table has the same date and effort, rows to that table.
+A run that was interrupted is resumed by the same command, if its study is in `--keep`;
+its processor time and duration are added.
 """
 
 import argparse
 import contextlib
 import io
+import json
 import multiprocessing
 import resource
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +38,9 @@ Models of Ladybug Tools' packages: import, run and report
 illuminance over the steps and sensors. Durations are those of a machine with other
 load.
 """
+
+# Exit status of a command that a signal ended, less the number of the signal
+INTERRUPTED = 128
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,9 @@ def peak_gb() -> float:
 def row(model: Path, folder: Path, given: argparse.Namespace) -> str:
     """Import and run a model; return its row of the table."""
     name = f"| `{model.name}` |"
+    before = folder / "interrupted.json"
+    if before.exists():
+        return finished(name, folder, Spent(**json.loads(before.read_text())))
     words = ["import", model, "-o", folder, "--weather", given.weather]
     if given.spacing:
         words += ["--spacing", given.spacing]
@@ -74,8 +83,6 @@ def row(model: Path, folder: Path, given: argparse.Namespace) -> str:
         reason = made.message.rpartition(f"{model.name}: ")[2].replace("|", "/")
         return f"{name} refused: {reason}{wrote} |" + " |" * 9
     study = folder / "study.toml"
-    left = (folder / "left_out.txt").read_text().splitlines()
-    omitted = 0 if left == ["nothing"] else len(left)
     if not study.exists():
         return f"{name} no sensors, and no rooms with floors |" + " |" * 9
     text = study.read_text()
@@ -86,8 +93,19 @@ def row(model: Path, folder: Path, given: argparse.Namespace) -> str:
     if given.relative_error:
         text += f"\n[trace]\nrelative_error = {given.relative_error}\n"
     study.write_text(text)
-    config, results = read_study(study), folder / "results"
-    done = command("run", study, "--out", results, "--quiet")
+    return finished(name, folder, replace(made, wall=0.0))
+
+
+def finished(name: str, folder: Path, before: Spent) -> str:
+    """Run or resume an imported study, for which time was spent; return its row."""
+    study, results = folder / "study.toml", folder / "results"
+    left = (folder / "left_out.txt").read_text().splitlines()
+    omitted = 0 if left == ["nothing"] else len(left)
+    config, done = read_study(study), command("run", study, "--out", results, "--quiet")
+    done = replace(done, cpu=done.cpu + before.cpu, wall=done.wall + before.wall)
+    if done.status > INTERRUPTED:
+        (folder / "interrupted.json").write_text(json.dumps(asdict(done)))
+        return f"{name} interrupted after {done.cpu:.0f} CPU s |" + " |" * 9
     if done.status:
         return f"{name} run failed: {done.message} |" + " |" * 9
     with xr.open_dataset(results / "results.nc") as data:
@@ -96,7 +114,7 @@ def row(model: Path, folder: Path, given: argparse.Namespace) -> str:
     return (
         f"{name} {', '.join(config.methods)} | {len(config.window)} |"
         f" {len(config.sensors)} | {len(lux)} | {omitted} | {np.nanmean(lux):.0f} |"
-        f" {made.cpu:.1f} + {done.cpu:.1f} | {done.wall:.0f} | {peak_gb():.1f} |"
+        f" {done.cpu:.1f} | {done.wall:.0f} | {peak_gb():.1f} |"
         f" {size:.1f} |"
     )
 
@@ -117,7 +135,7 @@ def main() -> None:
     given = parser.parse_args()
     head = [
         "| model | method | groups | grids | sensors | left out | mean [lux] |"
-        " import + run [CPU s] | run [s] | memory [GB] | report [MB] |",
+        " import and run [CPU s] | run [s] | memory [GB] | report [MB] |",
         "|---" * 11 + "|",
     ]
     new, rows = multiprocessing.get_context("spawn"), []
