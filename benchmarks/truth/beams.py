@@ -106,6 +106,28 @@ def _through(film: LoweredScene, sky: DistantEmitters, seed: mi.UInt32):
     return ray.d, sun.y * -1, weight, left
 
 
+def window_pdf(point, direction):
+    """Return the density of aiming at the window, over its area alike [1/sr]."""
+    distance = -point.y / direction.y
+    x, z = point.x + distance * direction.x, point.z + distance * direction.z
+    inside = (abs(x) <= WIDTH / 2) & (abs(z) <= HEIGHT / 2)
+    reached = (direction.y < 0) & (point.y > 0) & inside
+    area = WIDTH * HEIGHT * abs(direction.y)
+    return dr.select(reached, dr.square(distance) / area, 0)
+
+
+def borrowed(sun: Beams, point, pick):
+    """Return a direction to borrowed sun, its irradiance, how far the window is."""
+    number = dr.minimum(mi.UInt32(pick * mi.Float(sun.count)), sun.count - 1)
+    towards = -dr.gather(mi.Vector3f, sun.direction, number)
+    distance = -point.y / towards.y
+    x, z = point.x + distance * towards.x, point.z + distance * towards.z
+    low_x, high_x, low_z, high_z = sun.lit
+    lit = (x > low_x) & (x < high_x) & (z > low_z) & (z < high_z)
+    irradiance = dr.select(lit, dr.gather(mi.Float, sun.irradiance, number), 0)
+    return towards, irradiance, distance
+
+
 def random_numbers(number, seed):
     """Return a stream of random numbers for each number."""
     state, stream = mi.sample_tea_32(number, seed)

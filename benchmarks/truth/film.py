@@ -34,13 +34,16 @@ from clerestory.engine.visibility import offset
 from clerestory.image.camera import Camera
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
-from truth.beams import MOST, Beams, beams, random_numbers
+from truth.beams import MOST, Beams, beams, borrowed, random_numbers, window_pdf
 from truth.facades import Kind, Part
 from truth.setting import HEIGHT, ORIGIN, WIDTH, demo
 from truth.slats import PixelPaths, near_the_sun
-from truth.sun_rays import sun_images
+from truth.sun_rays import direct_sun, sun_images
 
 _LUX = RGB.weights
+
+# Distance from the film beyond which surfaces belong to the room [m]
+_FACE = 1e-4
 
 # Share of directions that aim at the window, and when weak paths may end
 _AIMED = 0.5
@@ -52,22 +55,29 @@ _PARTS = 4
 
 @dataclass
 class FilmRoom:
-    """A room behind a film at one moment; `mixed` if a part of the window has none."""
+    """A room behind a film at one moment.
+
+    `mixed` if a part of the window has none; `mirrors` if it reflects the room's light.
+    """
 
     model: LoweredScene
     sky: DistantEmitters
     beams: Beams
     mixed: bool
+    mirrors: bool
 
 
 class Film:
-    """The truth behind a film."""
+    """The truth behind a film; or, if it does not mirror, without the room's light.
 
-    def __init__(self, kind: Kind):
+    View matrices leave out light of the room that the window reflects.
+    """
+
+    def __init__(self, kind: Kind, *, mirrors: bool = True):
         scene, _, _, _ = demo()
         assert kind.clear is not None
         self.part: Part = kind.clear
-        self.mixed = len(kind.parts) > 1
+        self.mixed, self.mirrors = len(kind.parts) > 1, mirrors
         self.room = lower(scene + kind.geometry(), origin=ORIGIN)
         middle = np.array([*ORIGIN[:2], (self.part.low + self.part.high) / 2])
         self.film = lower(self.part.geometry(), origin=middle)
@@ -76,7 +86,8 @@ class Film:
     def at(self, light: Scene) -> FilmRoom:
         """Return the room under a sky with its sun."""
         sky = DistantEmitters.of(light)
-        return FilmRoom(self.room, sky, beams(self.film, self.part, sky), self.mixed)
+        sun = beams(self.film, self.part, sky)
+        return FilmRoom(self.room, sky, sun, self.mixed, self.mirrors)
 
     def when(self, hours: cl.Weather, moment: datetime) -> FilmRoom:
         """Return the room at a moment; it is made once."""
@@ -96,6 +107,12 @@ class Film:
         """Illuminance of sensors, and its standard error [lux]."""
         lit = self.when(hours, moment)
         return estimate(lit, sensors, samples=samples, seed=seed)
+
+    def direct_sun(
+        self, hours: cl.Weather, moment: datetime, sensors: Sensors
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Illuminance by sun straight from the film, and its standard error [lux]."""
+        return direct_sun(self.when(hours, moment).beams, self.room, sensors)
 
     def picture(
         self,
@@ -133,29 +150,6 @@ def estimate(
     return np.mean(parts, axis=0), np.std(parts, axis=0, ddof=1) / np.sqrt(_PARTS)
 
 
-def _window_pdf(point, direction):
-    """Return the density of aiming at the window, over its area alike [1/sr]."""
-    distance = -point.y / direction.y
-    x, z = point.x + distance * direction.x, point.z + distance * direction.z
-    inside = (abs(x) <= WIDTH / 2) & (abs(z) <= HEIGHT / 2)
-    reached = (direction.y < 0) & (point.y > 0) & inside
-    area = WIDTH * HEIGHT * abs(direction.y)
-    return dr.select(reached, dr.square(distance) / area, 0)
-
-
-def _borrowed(room: FilmRoom, point, pick):
-    """Return a direction to borrowed sun, its irradiance, how far the window is."""
-    sun = room.beams
-    number = dr.minimum(mi.UInt32(pick * mi.Float(sun.count)), sun.count - 1)
-    towards = -dr.gather(mi.Vector3f, sun.direction, number)
-    distance = -point.y / towards.y
-    x, z = point.x + distance * towards.x, point.z + distance * towards.z
-    low_x, high_x, low_z, high_z = sun.lit
-    lit = (x > low_x) & (x < high_x) & (z > low_z) & (z < high_z)
-    irradiance = dr.select(lit, dr.gather(mi.Float, sun.irradiance, number), 0)
-    return towards, irradiance, distance
-
-
 @dr.syntax
 def follow(room: FilmRoom, rng, ray, weight, sharp, active):
     """Return the light along rays; `sharp` ones are of eyes, which see the sun."""
@@ -166,10 +160,15 @@ def follow(room: FilmRoom, rng, ray, weight, sharp, active):
     light = mi.Color3f(0)
     sharp = mi.Bool(sharp)
     vertex = mi.UInt32(0)
+    left = mi.Bool(False)  # whether the path has met the film, or was outdoors
 
     while active:
         si = model.scene.ray_intersect(ray, active)
         met = active & si.is_valid()
+        inside = si.p.y > _FACE
+        active &= ~met | ~left | ~inside | room.mirrors
+        met &= active
+        left |= met & ~inside
 
         # Take the sky; the sun's disc only where nothing stands between
         away = active & ~met
@@ -182,7 +181,7 @@ def follow(room: FilmRoom, rng, ray, weight, sharp, active):
         matt = met & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
         indoors = si.p.y > 0
         a, b, c = rng.next_float32(), rng.next_float32(), rng.next_float32()
-        towards, irradiance, distance = _borrowed(room, si.p, a)
+        towards, irradiance, distance = borrowed(room.beams, si.p, a)
         start = offset(model, si, towards, matt)
         value = bsdf.eval(context, si, si.to_local(towards), matt) * irradiance
         asked = matt & indoors & (dr.max(value) > 0) & (distance > 1e-4)
@@ -208,7 +207,7 @@ def follow(room: FilmRoom, rng, ray, weight, sharp, active):
         proposed = si.to_world(sample.wo)
         onward = dr.select(to_window, dr.normalize(goal - si.p), proposed)
         local = si.to_local(onward)
-        mixed = _AIMED * _window_pdf(si.p, onward)
+        mixed = _AIMED * window_pdf(si.p, onward)
         mixed += (1 - _AIMED) * bsdf.pdf(context, si, local, aimed)
         both = bsdf.eval(context, si, local, aimed) / mixed
         weight *= dr.select(aimed, dr.select(mixed > 0, both, 0), factor)
@@ -251,7 +250,7 @@ def _gathered(room, position, normal, samples, lanes, seed):
     frame = mi.Frame3f(n)
 
     # Sun of the sensor itself, behind the film and beside it
-    towards, irradiance, distance = _borrowed(room, o, rng.next_float32())
+    towards, irradiance, distance = borrowed(room.beams, o, rng.next_float32())
     cosine = dr.maximum(dr.dot(n, towards), 0)
     asked = (irradiance * cosine > 0) & (distance > 0)
     line = mi.Ray3f(o, towards, distance - 1e-4, 0, [])
@@ -271,7 +270,7 @@ def _gathered(room, position, normal, samples, lanes, seed):
     to_window = rng.next_float32() < _AIMED
     d = dr.select(to_window, dr.normalize(goal - o), frame.to_world(local))
     cosine = dr.dot(n, d)
-    pdf = _AIMED * _window_pdf(o, d)
+    pdf = _AIMED * window_pdf(o, d)
     pdf += (1 - _AIMED) * dr.maximum(cosine, 0) * dr.inv_pi
     active = cosine > 0
     weight = mi.Color3f(dr.select(active, cosine / pdf, 0))

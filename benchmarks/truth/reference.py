@@ -4,7 +4,7 @@ import importlib
 from collections.abc import Sequence
 from datetime import datetime
 from functools import cache
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -47,11 +47,15 @@ class Truth(Protocol):
 @cache
 def truth(kind: Kind) -> Truth:
     """Return the reference of a façade."""
-    if kind.clear is None:
-        return Slats(kind)
+    return Slats(kind) if kind.clear is None else film(kind)
+
+
+@cache
+def film(kind: Kind, *, mirrors: bool = True) -> Any:
+    """Return the reference of a film; see `truth.film.Film`."""
     # Kernels are built for a device that is loaded before them
     load()
-    return importlib.import_module("truth.film").Film(kind)
+    return importlib.import_module("truth.film").Film(kind, mirrors=mirrors)
 
 
 def illuminances(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import clerestory as cl
+from clerestory.bands import RGB
 from clerestory.engine import device as devices
 from clerestory.errors import DeviceError
 from clerestory.image.camera import Camera
@@ -71,6 +72,26 @@ def test_an_eye_sees_the_sun_through_a_clear_sheet():
     place = np.unravel_index(images.mean(axis=0).argmax(), (100, 100))
     straight = eye.pixel(sun.direction, columns=100, rows=100)
     assert straight == pytest.approx(np.array(place) + 0.5, abs=1)
+
+
+def test_a_sensor_receives_the_sun_through_a_clear_sheet():
+    """Illuminance straight from the window is τ times that outdoors, by the cosine."""
+    hours = weather(["12-21T13:30"])
+    time = hours.times[0].item()
+    part = Part("sheet", kinds()["film"].parts[0].cell, sheet, clear=True)
+    film = reference.truth(Kind("sheet", (part,)))
+    light = cl.sky_at(hours, time)
+    [sun] = [source for source in light.distant if source.angle_deg < 1]
+    solid_angle = 2 * np.pi * (1 - np.cos(np.radians(sun.angle_deg / 2)))
+    # The second is above the sunlit part
+    places = np.array([(3.05, 1.2, 1.0), (3.05, 1.2, 2.5)])
+    sensors = cl.Sensors(places, np.tile([0.0, -1.0, 0.0], (2, 1)))
+    lux, error = film.direct_sun(hours, time, sensors)
+    cosine = -sun.direction[1]
+    outdoors = light.materials[sun.material].radiance @ RGB.weights * solid_angle
+    assert abs(lux[0] / (outdoors * cosine * transmittance(cosine)) - 1) < 0.005
+    assert error[0] < 0.005 * lux[0]
+    assert lux[1] == 0
 
 
 @pytest.mark.slow
