@@ -12,7 +12,6 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-import mitsuba as mi
 import numpy as np
 from duel import stamp
 from render import BOUNCES, VIEW, processor_seconds, scene_files
@@ -63,6 +62,8 @@ def mitsuba_path(scene: cl.Scene, resolution: int) -> Callable[[], float]:
     The room has the same triangles and reflectances, in Mitsuba's own `diffuse`.
     """
     load()
+    import mitsuba as mi  # noqa: PLC0415 - only after `load` has found LLVM
+
     content = {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": BOUNCES + 2, "rr_depth": 100},
