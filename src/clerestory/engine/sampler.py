@@ -116,19 +116,15 @@ class PathNumbers:
         """Return the random numbers of another path vertex."""
         return PathNumbers(self.points, self.seed, self.index, vertex)
 
-    def sobol(self, purpose: int, *, scrambling: int = 0):
-        """Return a coordinate of the sequence in [0, 1), scrambled by the seed.
-
-        Each `scrambling` of a coordinate is evenly distributed; pairs of two
-        scramblings are random.
-        """
+    def sobol(self, purpose: int):
+        """Return a coordinate of the sequence in [0, 1), scrambled by the seed."""
         dimension = self.vertex * PER_VERTEX + purpose
         low = self.vertex < VERTICES
         entry = dimension * self.points.stride + self.index
         bits = dr.gather(mi.UInt32, self.points.table, entry, low)
 
         # Permute each binary digit according to the digits before it
-        key = mix(dimension * mi.UInt32(0x9E3779B9) + scrambling, self.seed)
+        key = mix(dimension * mi.UInt32(0x9E3779B9), self.seed)
         bits ^= bits * mi.UInt32(0x3D20ADEA)
         bits += key
         bits *= (key >> 16) | 1

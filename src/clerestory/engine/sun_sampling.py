@@ -31,7 +31,7 @@ from clerestory.engine.next_event_estimation import (
     power_heuristic,
 )
 from clerestory.engine.portals import Portals
-from clerestory.engine.sampler import CONNECT_U, CONNECT_V, PathNumbers
+from clerestory.engine.sampler import CONNECT_U, CONNECT_V, VERTICES, PathNumbers
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.vertices import surface_vertex
 from clerestory.engine.visibility import (
@@ -149,9 +149,10 @@ class Suns(Source):
     def _on_surfaces(
         self, vertex: Vertex, sun: SunSample, numbers: PathNumbers
     ) -> LightSample:
-        # Sample along a window's lobe of sunlight, or towards a portal
-        u, v = (numbers.sobol(n, scrambling=1) for n in (CONNECT_U, CONNECT_V))
-        pick = numbers.extra(10)
+        # Sample along a window's lobe of sunlight, or towards a portal, by coordinates
+        # that a later vertex uses for its own sun sample: only sums have both
+        other = numbers.at(numbers.vertex + VERTICES // 2)
+        u, v, pick = other.sobol(CONNECT_U), other.sobol(CONNECT_V), numbers.extra(10)
         direction, valid = mi.Vector3f(0, 0, 1), mi.Bool(False)
         portals = self.portals if self.portals and self.portals.sunny else None
         if portals:
