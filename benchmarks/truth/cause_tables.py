@@ -66,8 +66,8 @@ def _finding(
             f" {_change((dark / real - 1)[chosen])} by the missing light"
         )
     return (
-        "The rest dominates, not the direct sun, and with it two errors of opposite"
-        " sign, neither of which five phases correct. (1) The sun is spread over"
+        "Most of the deviation is that of the rest, not of the direct sun. It has two"
+        " errors of opposite sign, which five phases leave. (1) The sun is spread over"
         " patches of the sky and of the window, and its flux through the film is"
         f" {', '.join(ratios)} times that by rays, in the order of the hours"
         " (furthest off in June, when little of it passes). Finer patches lessen this;"

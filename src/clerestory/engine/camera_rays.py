@@ -154,7 +154,7 @@ def camera_rays(camera: PixelsOrCells) -> CameraRays | CellRays | GivenRays:
 def sampled_ray(
     rays: CameraRays | CellRays | GivenRays, pixel: mi.UInt32, numbers: PathNumbers
 ):
-    """Return the ray of a path through a pixel, and whether it is valid.
+    """Sample the camera ray of a path; return it, and whether it is valid.
 
     The paths of a pixel are distributed evenly over given rays: a choice at random of
     few rays, one of which may see the window, has more variance than the paths.

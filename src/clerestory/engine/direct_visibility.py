@@ -126,7 +126,8 @@ class _ParallelRays:
         low, high = rim.min(axis=1), rim.max(axis=1)
         differ = np.any(high - low > _DIFFERENT * high, axis=1)
 
-        # The mean cosine is known: where all rays agree, the light has no variance
+        # Control variate: the mean cosine over the source is known, so that the
+        # estimate of a source that is visible as a whole has no variance
         rays, weight, rim = rays[~differ], weight[~differ], rim[~differ]
         middle = weight[:, :-inside].mean(axis=1, keepdims=True)
         here = weight[:, -inside:]
@@ -168,7 +169,7 @@ class _ParallelRays:
 def _by_batch(
     light: Float[np.ndarray, "pair ray channel"], batches: int
 ) -> Float[np.ndarray, "pair batch channel"]:
-    # Means of batches whose mean, and standard error of the mean, are those of the rays
+    # Values of batches with the mean of the rays, and with the same standard error
     rays = light.shape[1]
     mean = light.mean(axis=1, keepdims=True, dtype=float)
     found = np.repeat(mean, batches, axis=1)

@@ -1,4 +1,4 @@
-"""Gaps beside panes as portals for path guiding.
+"""Portals for path guiding where daylight passes beside panes.
 
 A blind or a shade that hangs some centimetres in front of its opening lets daylight
 pass beside it. BSDF sampling hits such a gap only by chance. Before rendering, rays are

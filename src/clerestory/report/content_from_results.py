@@ -95,7 +95,7 @@ def place_words(attrs: Mapping[Any, Any], study: Mapping[str, Any]) -> str:
 
 
 def schedule_words(schedule: Mapping[str, Any], times: np.ndarray) -> str:
-    """Return the occupied hours of time steps in words.
+    """Return text that states the occupied hours, for the days of some time steps.
 
     >>> dates = np.array(["2023-03-21T12:30", "2023-03-22T12:30", "2023-06-21T12:30"])
     >>> times, hours = dates.astype("datetime64[s]"), {"from_hour": 8, "to_hour": 17.5}

@@ -57,7 +57,7 @@ class RayBundles:
 
     @property
     def valid(self) -> Bool[np.ndarray, "bundle ray"]:
-        """Whether rays have a direction."""
+        """Which rays have a direction other than zero."""
         return np.asarray(self.direction.any(axis=-1))
 
     @property

@@ -86,10 +86,9 @@ def window_of(
     partition: RingPartition | None = None,
     faceted: bool = False,
 ) -> Window:
-    """Return a window group of polygons; the mean normal defines the frame.
+    """Return a window group of polygons; the mean normal by area defines the frame.
 
     By default `up` is +z, or +y for a horizontal window, and the basis is Klems full.
-    Normals are weighted by area.
     """
     normal = unit(_normals(polygons).sum(axis=0))
     if up is None:

@@ -193,7 +193,7 @@ def _sun_effort(job: Job, stream: int = 0) -> Effort:
 
 
 def _disc_effort(job: Job) -> Effort:
-    # Without a number of rays, as many as the relative error of the study requires
+    # Number of rays in the study file, or the relative error that determines it
     error = job.effort().relative_error
     if job.study.sun.samples or error is None:
         return _sun_effort(job)
