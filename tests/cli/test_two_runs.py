@@ -1,5 +1,6 @@
 """Two runs with one output, and runs that are stopped, as a shell starts them."""
 
+import importlib
 import os
 import platform
 import signal
@@ -65,6 +66,7 @@ def wait_for(condition, *, seconds=60):
 
 def test_a_second_run_into_a_folder_is_refused_at_once(call, started, long_study):
     """Its line names process, machine and time; after SIGKILL the folder is free."""
+    importlib.import_module("clerestory.cli.study")  # may take as long as the study
     child = started(*LONG.split(), "results")
     wait_for(Path("results/run.lock").exists)
     outcome = call(*LONG.split(), "results")

@@ -22,7 +22,7 @@ from clerestory import __version__
 from clerestory.cli.command import COMMAND_LINE
 from clerestory.cli.interruption import Interruption, interruptible
 from clerestory.cli.program import program
-from clerestory.errors import ClerestoryError, ClerestoryWarning
+from clerestory.errors import ClerestoryError, ClerestoryWarning, is_interruption
 from clerestory.files import is_file
 from clerestory.warning_log import WarningLog
 
@@ -70,6 +70,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except _UsageError as error:
             return _usage(error)
         except Exception as error:  # unexpected errors
+            if is_interruption(error):
+                return _interrupted(received)
             kind = type(error).__name__
             text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 for the traceback"
             return _fail(text, 1, error)

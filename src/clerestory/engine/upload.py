@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy.typing import ArrayLike
 
-from clerestory.errors import DeviceError
+from clerestory.errors import DeviceError, is_interruption
 
 _NUMBERS = {
     dr.VarType.Float32: np.float32,
@@ -59,9 +59,14 @@ def search(table, count: int, value, first=0):
 
 @contextmanager
 def launching() -> Iterator[None]:
-    """Convert errors of Dr.Jit and Mitsuba to a `DeviceError` of one line."""
+    """Convert errors of Dr.Jit and Mitsuba to a `DeviceError` of one line.
+
+    Interruptions remain `KeyboardInterrupt`.
+    """
     try:
         yield
     except RuntimeError as error:
+        if is_interruption(error):
+            raise KeyboardInterrupt from error
         reason = str(error).strip().splitlines()[-1]
         raise DeviceError(f"the trace failed on {mi.variant()}: {reason}") from error
