@@ -39,16 +39,6 @@ def _short_path(path: str) -> str:
     return shown if len(shown) <= 2 * half else f"{shown[:half]}…{shown[-half:]}"
 
 
-def is_interruption(error: BaseException | None) -> bool:
-    """Whether an exception is `KeyboardInterrupt`, or was raised because of one.
-
-    Dr.Jit raises a `RuntimeError` if a signal arrives while it records a loop.
-    """
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
-    return error is not None
-
-
 class ClerestoryError(Exception):
     """Base class of the errors of this package."""
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-_NAMES = ("SIGTERM", "SIGHUP")
+_NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
 
 
 class Interruption:
@@ -20,9 +20,11 @@ class Interruption:
     Attributes
     ----------
     signal : number of the signal; SIGINT until another one is received
+    happened : whether a signal was received
     """
 
     signal: int = signal.SIGINT
+    happened: bool = False
 
     def status(self) -> int:
         """Return the exit status of shells for the signal: 130, 143 or 129."""
@@ -30,13 +32,13 @@ class Interruption:
 
     def receive(self, number: int, _frame: FrameType | None) -> None:
         """Handle a signal as Python handles SIGINT."""
-        self.signal = number
+        self.signal, self.happened = number, True
         raise KeyboardInterrupt
 
 
 @contextmanager
 def interruptible() -> Iterator[Interruption]:
-    """Make SIGTERM and SIGHUP raise `KeyboardInterrupt` during the `with` block.
+    """Make SIGINT, SIGTERM and SIGHUP raise `KeyboardInterrupt` in the `with` block.
 
     Signals that are ignored, as SIGHUP under `nohup`, remain ignored.
     """
@@ -46,11 +48,12 @@ def interruptible() -> Iterator[Interruption]:
         return
     known = [getattr(signal, name) for name in _NAMES if hasattr(signal, name)]
     before = {each: signal.getsignal(each) for each in known}
-    taken = [each for each in known if before[each] == signal.SIG_DFL]
+    usual = (signal.SIG_DFL, signal.default_int_handler)
+    taken = [each for each in known if before[each] in usual]
     for each in taken:
         signal.signal(each, received.receive)
     try:
         yield received
     finally:
         for each in taken:
-            signal.signal(each, signal.SIG_DFL)
+            signal.signal(each, before[each])

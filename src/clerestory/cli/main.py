@@ -22,7 +22,7 @@ from clerestory import __version__
 from clerestory.cli.command import COMMAND_LINE
 from clerestory.cli.interruption import Interruption, interruptible
 from clerestory.cli.program import program
-from clerestory.errors import ClerestoryError, ClerestoryWarning, is_interruption
+from clerestory.errors import ClerestoryError, ClerestoryWarning
 from clerestory.files import is_file
 from clerestory.warning_log import WarningLog
 
@@ -63,18 +63,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             with interruptible() as received:
                 status = _run(given, words)
             return _interrupted(received) if status == _SIGINT else int(status or 0)
-        except ClerestoryError as error:
-            return _fail(_own_text(error, words), error.exit_status, error)
         except (KeyboardInterrupt, typer.Abort):
             return _interrupted(received)
-        except _UsageError as error:
-            return _usage(error)
-        except Exception as error:  # unexpected errors
-            if is_interruption(error):
+        except Exception as error:
+            # Mitsuba and Dr.Jit convert `KeyboardInterrupt` to other errors
+            if received.happened:
                 return _interrupted(received)
-            kind = type(error).__name__
-            text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 for the traceback"
-            return _fail(text, 1, error)
+            return _failed(error, words)
         finally:
             for line in log.repeated():
                 typer.echo(f"warning: {line}", err=True)
@@ -115,6 +110,17 @@ def _show_warning(
     text = _one_line(str(message))
     if log.add(text):
         typer.echo(f"warning: {text}", err=True)
+
+
+def _failed(error: Exception, words: list[str]) -> int:
+    # Print an error; return the exit status
+    if isinstance(error, ClerestoryError):
+        return _fail(_own_text(error, words), error.exit_status, error)
+    if isinstance(error, _UsageError):
+        return _usage(error)
+    kind = type(error).__name__
+    text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 for the traceback"
+    return _fail(text, 1, error)
 
 
 def _usage(error: Any) -> int:

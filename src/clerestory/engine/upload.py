@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy.typing import ArrayLike
 
-from clerestory.errors import DeviceError, is_interruption
+from clerestory.errors import DeviceError
 
 _NUMBERS = {
     dr.VarType.Float32: np.float32,
@@ -66,7 +66,14 @@ def launching() -> Iterator[None]:
     try:
         yield
     except RuntimeError as error:
-        if is_interruption(error):
+        if _is_interruption(error):
             raise KeyboardInterrupt from error
         reason = str(error).strip().splitlines()[-1]
         raise DeviceError(f"the trace failed on {mi.variant()}: {reason}") from error
+
+
+def _is_interruption(error: BaseException | None) -> bool:
+    # Whether a signal that arrived while Dr.Jit recorded a loop caused the error
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__
+    return error is not None

@@ -1,4 +1,6 @@
-"""Interruptions while Dr.Jit records a kernel."""
+"""Interruptions that Dr.Jit and Mitsuba convert to other errors."""
+
+import signal
 
 import pytest
 
@@ -29,10 +31,15 @@ def test_a_loop_that_is_interrupted_raises_keyboard_interrupt():
         looped()
 
 
-def test_a_command_that_is_interrupted_in_a_loop_says_so(monkeypatch, capsys):
+def test_an_error_after_a_signal_is_an_interruption(monkeypatch, capsys):
+    """Mitsuba's errors of materials do not name `KeyboardInterrupt` as their cause."""
+
     def run(*_):
-        looped()
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise RuntimeError("failed to instantiate a plugin") from None
 
     monkeypatch.setattr("clerestory.cli.main._run", run)
-    assert main(["run", "study.toml"]) == 130
+    assert main(["run", "study.toml"]) == 128 + signal.SIGTERM
     assert capsys.readouterr().err == "interrupted; run again to resume\n"
