@@ -1,6 +1,7 @@
 """Gaps beside shades: daylight that passes there, against quadrature."""
 
-from dataclasses import astuple
+import warnings
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -89,3 +90,15 @@ def test_strips_are_used_where_rays_pass(device, away, count):
     ]
     edges = [LOW - OVERLAP - 0.2, HIGH + OVERLAP][:count]
     np.testing.assert_allclose(sorted(lowest), edges)
+
+
+def test_panes_without_area_are_no_portals(device):
+    load(device)
+    from clerestory.engine.portals import window_rectangles
+
+    scene = shaded_room()
+    flat = wall(AWAY, LOW, LOW, "shade")
+    more = replace(scene, surfaces=(*scene.surfaces, flat))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(window_rectangles(more, np.zeros(3))) == 1

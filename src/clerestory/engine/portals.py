@@ -30,6 +30,7 @@ from clerestory.scene.model import (
     Scene,
     Trans,
 )
+from clerestory.scene.surface import area_vector
 
 # Largest number of rectangles; further, smaller ones cost more time than they save.
 MOST = 12
@@ -217,12 +218,13 @@ def _inverse(edges: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
 
 def window_rectangles(scene: Scene, origin: Origin) -> Rectangles:
     """Return rectangles around the largest panes, relative to the point `origin`."""
-    found = [
-        _rectangle(surface.vertices)
+    panes = (
+        surface.vertices
         for surface in scene.surfaces
         if isinstance(surface, Polygon)
         and isinstance(scene.materials[surface.material], _TRANSMITTING)
-    ]
+    )
+    found = [_rectangle(pane) for pane in panes if area_vector(pane).any()]
     area = [np.linalg.norm(np.cross(u, v)) for _, u, v in found]
     largest = sorted(range(len(found)), key=lambda i: -area[i])[:MOST]
     kept = [found[i] for i in largest if area[i] >= _SMALLEST * max(area)]

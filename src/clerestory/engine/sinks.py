@@ -16,7 +16,8 @@ from jaxtyping import UInt64
 from clerestory.engine.derivative_sums import Places
 from clerestory.engine.sums import FIXED_POINT, PACKET, PACKET_SUMS, sums_of_place
 
-# Largest number of threads that have copies of sums of packets
+# Largest number of threads that each have their own copy of the sums, if values are
+# added in packets
 _MOST_COPIES = 16
 
 # A weight is converted as two integers of at least 20 bits, which is fastest on CPUs.

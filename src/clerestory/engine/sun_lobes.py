@@ -27,7 +27,7 @@ from clerestory.engine.sampled_sources import suns_of
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
-from clerestory.scene.surface import area_vectors
+from clerestory.scene.surface import area_vector
 
 # Greatest number of window groups (equal BSDF and orientation), the largest in area.
 MOST = 4
@@ -146,9 +146,10 @@ class SunLobes:
         for surface in scene.surfaces:
             material = scene.materials[surface.material]
             if isinstance(surface, Polygon) and is_layer(material):
-                corners = surface.vertices
-                vector = area_vectors(corners, np.array([0, len(corners)]))[0]
+                vector = area_vector(surface.vertices)
                 area = float(np.linalg.norm(vector))
+                if area == 0:
+                    continue
                 normal = tuple(np.round(vector / area, 5))
                 for side in (1, -1):
                     shone = np.any(suns @ vector * side < 0)

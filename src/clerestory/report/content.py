@@ -104,6 +104,7 @@ class ReportContent:
     tables : tables of parameters, versions, seeds and compute device
     seconds : run time of each phase [s]
     warnings : warnings issued during the run
+    selection : number of sensors shown, such as "500 of 6,521 sensors"; empty if all
     picture_folder : folder with pictures of the run; None for a report without pictures
     title_block : project, client, author, logo and notes
     """
@@ -125,6 +126,7 @@ class ReportContent:
     tables: tuple[FactTable, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    selection: str = ""
     picture_folder: Path | None = None
     title_block: TitleBlock = field(default_factory=TitleBlock)
 

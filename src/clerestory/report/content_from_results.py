@@ -26,7 +26,8 @@ from clerestory.study.results import Results
 from clerestory.study.title_block import title_block_of
 
 _SHOWN_ELSEWHERE = (
-    *("title", "study", "seconds", "warnings", "matrices", "output", "report"),
+    *("title", "study", "seconds", "warnings", "selection"),
+    *("matrices", "output", "report"),
 )
 _STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedule")
 # Largest number of sensors on a page
@@ -74,6 +75,7 @@ def from_results(
         tables=study_tables(study) + run_tables(run),
         seconds={str(k): float(v) for k, v in dict(run.get("seconds", {})).items()},
         warnings=tuple(map(str, run.get("warnings", ()))),
+        selection=str(run.get("selection", "")),
         picture_folder=None if pictures is None else Path(pictures),
         title_block=title_block_of(run),
     )

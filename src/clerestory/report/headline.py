@@ -42,6 +42,7 @@ def headline(content: ReportContent) -> Markup:
         places=" · ".join(filter(None, (content.place, period_words(content.times)))),
         lead=_lead(content, maps),
         warnings=_warnings(content),
+        selection=content.selection,
         figures=_key_figures(content, maps),
         errors=error_words(content),
         titles=_TITLES,

@@ -62,21 +62,20 @@ class Results:
     def thinned(self, most: int) -> "Results":
         """Return the results of at most `most` evenly spaced sensors, in memory.
 
-        A warning in `run` states how many sensors are shown.
+        The entry `selection` of `run` states how many sensors are shown.
 
         >>> many = xr.Dataset({"lux": ("sensor", np.arange(10))})
         >>> few = Results(many).thinned(4)
-        >>> few.data["lux"].values.tolist(), few.run["warnings"]
-        ([0, 3, 6, 9], ['4 of 10 sensors are shown, evenly spread'])
+        >>> few.data["lux"].values.tolist(), few.run["selection"]
+        ([0, 3, 6, 9], '4 of 10 sensors')
         """
         count = self.data.sizes["sensor"]
         if count <= most:
             return self
         chosen = np.arange(0, count, -(-count // most))
-        note = f"{len(chosen):,} of {count:,} sensors are shown, evenly spread"
-        notes = [*self.run.get("warnings", ()), note]
+        selection = f"{len(chosen):,} of {count:,} sensors"
         data = self.data.isel(sensor=chosen).load()
-        return Results(data, {**self.run, "warnings": notes})
+        return Results(data, {**self.run, "selection": selection})
 
 
 def save_results(

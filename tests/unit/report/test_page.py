@@ -114,6 +114,19 @@ def test_the_headline_gives_the_mean_of_the_first_grid(room, page):
     assert words(figures[0]).startswith(f"{mean:,.0f} ±")
 
 
+def test_a_selection_of_many_sensors_is_stated(room):
+    """A note, and no warning, tells how many sensors the page shows."""
+    results = room.analytic_results(times=room.year(days=2))
+    count = results.data.sizes["sensor"]
+    content = from_results(results, most_sensors=20)
+    page = html.document_fromstring(report_page(content))
+    shown = len(content.sensors.names)
+    assert shown <= 20 < count
+    notes = [words(note) for note in page.xpath("//header/p[@class='note']")]
+    assert notes[0].startswith(f"This page shows {shown} of {count} sensors")
+    assert not content.warnings
+
+
 def test_sections_stand_in_their_order(page):
     assert [words(h) for h in page.xpath("//h2")] == [
         "Distribution of daylight",
