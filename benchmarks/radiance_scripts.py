@@ -63,6 +63,10 @@ NOISELESS = 0.01
 # Rays of each run
 RAYS = (1.0, 1.06, 1.12)
 
+# Quantile of noise in units of the standard error by the spread of the runs, two-sided
+SHARE = 0.05
+QUANTILE = student.ppf(1 - SHARE / 2, 2 * len(RAYS) - 2)
+
 # Programs that make pictures, with their sizes in the scripts
 SIZED, SIZES = ("vwrays", "rpict"), (250, 300, 400)
 
@@ -136,9 +140,15 @@ def sum_deviation(ours: np.ndarray, theirs: np.ndarray) -> tuple[float, float]:
     return 100 * (one.mean() / two.mean() - 1), 100 * error
 
 
-def rows(start: str, ours: list[Outcome], theirs: list[Outcome]) -> list[str]:
-    """Return lines of the table: agreement of sensors and of pictures, and times."""
+def rows(
+    start: str, ours: list[Outcome], theirs: list[Outcome]
+) -> tuple[list[str], list[float]]:
+    """Return lines of the table: agreement of sensors and of pictures, and times.
+
+    Also return the deviations of sums with random samples over their standard errors.
+    """
     found = []
+    every: list[float] = []
     own, other = (np.mean([r.seconds for r in runs[1:]]) for runs in (ours, theirs))
     times = f"{ours[0].seconds:.0f} | {own:.0f} | {other:.0f} | {other / own:.1f}"
     for kind in ("sensors", "pictures"):
@@ -174,6 +184,7 @@ def rows(start: str, ours: list[Outcome], theirs: list[Outcome]) -> list[str]:
         noisy = joint >= NOISELESS
         ratios = np.where(noisy, np.array(levels) / np.maximum(joint, NOISELESS), 0)
         worst = int(np.argmax(ratios))
+        every += [abs(s / e) for (s, e), has in zip(sums, noisy, strict=True) if has]
         total, error = max(sums, key=lambda pair: abs(pair[0]))
         own, other = np.median(np.array(noises)[noisy], axis=0)
         found.append(
@@ -184,17 +195,17 @@ def rows(start: str, ours: list[Outcome], theirs: list[Outcome]) -> list[str]:
             f"{''.join(clear)} | {times} |"
         )
         start, times = " | ", " | | | "
-    return found
+    return found, every
 
 
 def table(given: argparse.Namespace) -> tuple[list[str], str]:
-    """Run the scripts by both, and return the rows of the table, and whose code ran."""
-    own, rest = rooms(given.room, given.folder, given.pixels)
-    lines = []
+    """Run the scripts by both, and return the rows of the table, and notes on them."""
+    mine, rest = rooms(given.room, given.folder, given.pixels)
+    lines, sums = [], []
     codes: dict[str, list[str]] = {}
     for script in given.scripts:
         compared = script not in given.ours
-        ours = [room.outcome(script) for room in (own if compared else own[:1])]
+        ours = [room.outcome(script) for room in (mine if compared else mine[:1])]
         first = ours[0]
         start = f"{script} | {ran(given.room / 'commands' / script, first)}"
         for code in sorted({each.code for each in ours}):
@@ -203,8 +214,15 @@ def table(given: argparse.Namespace) -> tuple[list[str], str]:
             cells = f"not compared | | | | | | {first.seconds:.0f} | | | |"
             lines.append(f"| {start} | {cells}")
             continue
-        lines += rows(start, ours, [room.outcome(script) for room in rest])
-    return lines, versions(codes)
+        added, own = rows(start, ours, [room.outcome(script) for room in rest])
+        lines += added
+        sums += own
+    beyond = sum(each > QUANTILE for each in sums)
+    counted = (
+        f"Of {len(sums)} results with random samples, the sum of {beyond} deviates by"
+        f" more than {QUANTILE:.1f} standard errors."
+    )
+    return lines, f"{counted} {versions(codes)}"
 
 
 def versions(codes: dict[str, list[str]]) -> str:
@@ -227,7 +245,7 @@ def main() -> None:
     parser.add_argument("--write", type=Path)
     given = parser.parse_args()
     given.room, given.folder = given.room.resolve(), given.folder.resolve()
-    lines, code = table(given)
+    lines, notes = table(given)
     columns = (
         "script", "ran unmodified", "results", "sum", "deviation",
         "noise: ours, Radiance", "deviation / noise", "largest",
@@ -255,14 +273,15 @@ the spread of the runs. All are relative to the root mean square of the result, 
 medians over the results of a script. *Deviation / noise* is the deviation over its
 standard error by the noise of both: 1 is noise alone. Where all values share one
 daylight matrix, it may be 2 by chance. Results without random samples have their
-deviation only. *Sum* is the largest deviation of a result's sum, with its standard
+deviation only. *Sum* is the largest deviation of the sum of a result, with its standard
 error by the spread of the runs: with {len(RAYS)} runs of each, noise alone exceeds
-{student.ppf(0.975, 2 * len(RAYS) - 2):.1f} times that in 5 % of results. The
+{QUANTILE:.1f} times that in {100 * SHARE:.0f} % of all results. The
 rays of pixels, of `vwrays`, are the same in all runs.
 
 Processor seconds have children and the start of Python, about 0.5 s a program, on a
 machine with other work. *Unmodified* is our run of the script as published; the others
-are means of the runs with more rays, which do the same work.
+are means of the runs with more rays, which do the same work. Of pictures of so few
+pixels, the start of programs is most of our time.
 
 {stamp()}.
 
@@ -270,7 +289,7 @@ are means of the runs with more rays, which do the same work.
 {"|---" * len(columns)}|
 """
     page = head + "\n".join(lines) + "\n\n"
-    page += textwrap.fill(f"{code} {given.note}".strip(), 88) + "\n"
+    page += textwrap.fill(f"{notes} {given.note}".strip(), 88) + "\n"
     if given.write:
         given.write.write_text(page)
     else:
