@@ -27,6 +27,7 @@ from pathlib import Path
 
 import numpy as np
 from duel import stamp
+from scipy.stats import t as student
 from script_runs import RADIANCE, Outcome, Room, numbered
 
 from clerestory.compat.programs import PROGRAMS, install_programs
@@ -61,6 +62,10 @@ NOISELESS = 0.01
 
 # Rays of each run
 RAYS = (1.0, 1.06, 1.12)
+
+# Quantile of noise in units of the standard error by the spread of the runs, two-sided
+SHARE = 0.05
+QUANTILE = student.ppf(1 - SHARE / 2, 2 * len(RAYS) - 2)
 
 # Programs that make pictures, with their sizes in the scripts
 SIZED, SIZES = ("vwrays", "rpict"), (250, 300, 400)
@@ -128,9 +133,22 @@ def noise(runs: np.ndarray) -> float:
     return float(np.sqrt(np.mean(runs.var(axis=0, ddof=1))))
 
 
-def rows(start: str, ours: list[Outcome], theirs: list[Outcome]) -> list[str]:
-    """Return lines of the table: agreement of sensors and of pictures, and times."""
+def sum_deviation(ours: np.ndarray, theirs: np.ndarray) -> tuple[float, float]:
+    """Return the deviation of the sum, and its standard error by the spread [%]."""
+    one, two = ours.mean(axis=1), theirs.mean(axis=1)
+    error = np.sqrt((one.var(ddof=1) + two.var(ddof=1)) / len(one)) / two.mean()
+    return 100 * (one.mean() / two.mean() - 1), 100 * error
+
+
+def rows(
+    start: str, ours: list[Outcome], theirs: list[Outcome]
+) -> tuple[list[str], list[float]]:
+    """Return lines of the table: agreement of sensors and of pictures, and times.
+
+    Also return the deviations of sums with random samples over their standard errors.
+    """
     found = []
+    every: list[float] = []
     own, other = (np.mean([r.seconds for r in runs[1:]]) for runs in (ours, theirs))
     times = f"{ours[0].seconds:.0f} | {own:.0f} | {other:.0f} | {other / own:.1f}"
     for kind in ("sensors", "pictures"):
@@ -150,12 +168,13 @@ def rows(start: str, ours: list[Outcome], theirs: list[Outcome]) -> list[str]:
             ))  # fmt: skip
             one, two = both
             level = rms(two.mean(axis=0)) / 100
-            sums.append(100 * (one.mean() / two.mean() - 1))
+            sums.append(sum_deviation(one, two))
             levels.append(rms(one.mean(axis=0) - two.mean(axis=0)) / level)
             noises.append(np.array([noise(one), noise(two)]) / level)
             expected.append(float(np.linalg.norm(noises[-1]) / np.sqrt(len(ours))))
             sys.stderr.write(
-                f"  {name} {one.shape[1]}: sum {sums[-1]:+.2f} %, deviation"
+                f"  {name} {one.shape[1]}: sum {sums[-1][0]:+.2f} % ±"
+                f" {sums[-1][1]:.2f} %, deviation"
                 f" {levels[-1]:.2f} % of {expected[-1]:.2f} %, noise"
                 f" {noises[-1].round(2)} %\n"
             )
@@ -165,32 +184,53 @@ def rows(start: str, ours: list[Outcome], theirs: list[Outcome]) -> list[str]:
         noisy = joint >= NOISELESS
         ratios = np.where(noisy, np.array(levels) / np.maximum(joint, NOISELESS), 0)
         worst = int(np.argmax(ratios))
+        every += [abs(s / e) for (s, e), has in zip(sums, noisy, strict=True) if has]
+        total, error = max(sums, key=lambda pair: abs(pair[0]))
         own, other = np.median(np.array(noises)[noisy], axis=0)
         found.append(
-            f"| {start} | {kind}: {len(names)} | {max(sums, key=abs):+.2f} % |"
+            f"| {start} | {kind}: {len(names)} | {total:+.2f} % ± {error:.2f} % |"
             f" {np.median(np.array(levels)[noisy]):.2f} % |"
             f" {own:.2f} %, {other:.2f} % |"
             f" {np.median(ratios[noisy]):.1f} | {ratios[worst]:.1f}: `{names[worst]}`"
             f"{''.join(clear)} | {times} |"
         )
         start, times = " | ", " | | | "
-    return found
+    return found, every
 
 
-def table(given: argparse.Namespace) -> list[str]:
-    """Run the scripts by both, and return the rows of the table."""
-    own, rest = rooms(given.room, given.folder, given.pixels)
-    lines = []
+def table(given: argparse.Namespace) -> tuple[list[str], str]:
+    """Run the scripts by both, and return the rows of the table, and notes on them."""
+    mine, rest = rooms(given.room, given.folder, given.pixels)
+    lines, sums = [], []
+    codes: dict[str, list[str]] = {}
     for script in given.scripts:
-        first = own[0].outcome(script)
+        compared = script not in given.ours
+        ours = [room.outcome(script) for room in (mine if compared else mine[:1])]
+        first = ours[0]
         start = f"{script} | {ran(given.room / 'commands' / script, first)}"
-        if script in given.ours:
+        for code in sorted({each.code for each in ours}):
+            codes.setdefault(code, []).append(script)
+        if not compared:
             cells = f"not compared | | | | | | {first.seconds:.0f} | | | |"
             lines.append(f"| {start} | {cells}")
             continue
-        ours = [room.outcome(script) for room in own]
-        lines += rows(start, ours, [room.outcome(script) for room in rest])
-    return lines
+        added, own = rows(start, ours, [room.outcome(script) for room in rest])
+        lines += added
+        sums += own
+    beyond = sum(each > QUANTILE for each in sums)
+    counted = (
+        f"Of {len(sums)} results with random samples, the sum of {beyond} deviates by"
+        f" more than {QUANTILE:.1f} standard errors."
+    )
+    return lines, f"{counted} {versions(codes)}"
+
+
+def versions(codes: dict[str, list[str]]) -> str:
+    """Return a sentence on the version of clerestory that ran each script."""
+    if len(codes) == 1:
+        return f"All our runs are of the sources of commit {next(iter(codes))}."
+    parts = (f"{code}: {', '.join(names)}" for code, names in codes.items())
+    return f"Commits of our sources by script: {'; '.join(parts)}."
 
 
 def main() -> None:
@@ -205,7 +245,7 @@ def main() -> None:
     parser.add_argument("--write", type=Path)
     given = parser.parse_args()
     given.room, given.folder = given.room.resolve(), given.folder.resolve()
-    lines = table(given)
+    lines, notes = table(given)
     columns = (
         "script", "ran unmodified", "results", "sum", "deviation",
         "noise: ours, Radiance", "deviation / noise", "largest",
@@ -233,20 +273,23 @@ the spread of the runs. All are relative to the root mean square of the result, 
 medians over the results of a script. *Deviation / noise* is the deviation over its
 standard error by the noise of both: 1 is noise alone. Where all values share one
 daylight matrix, it may be 2 by chance. Results without random samples have their
-deviation only. *Sum* is the largest deviation of a result's sum.
+deviation only. *Sum* is the largest deviation of the sum of a result, with its standard
+error by the spread of the runs: with {len(RAYS)} runs of each, noise alone exceeds
+{QUANTILE:.1f} times that in {100 * SHARE:.0f} % of all results. The
+rays of pixels, of `vwrays`, are the same in all runs.
 
 Processor seconds have children and the start of Python, about 0.5 s a program, on a
 machine with other work. *Unmodified* is our run of the script as published; the others
-are means of the runs with more rays, which do the same work.
+are means of the runs with more rays, which do the same work. Of pictures of so few
+pixels, the start of programs is most of our time.
 
 {stamp()}.
 
 | {" | ".join(columns)} |
 {"|---" * len(columns)}|
 """
-    page = head + "\n".join(lines) + "\n"
-    if given.note:
-        page += "\n" + textwrap.fill(given.note, 88) + "\n"
+    page = head + "\n".join(lines) + "\n\n"
+    page += textwrap.fill(f"{notes} {given.note}".strip(), 88) + "\n"
     if given.write:
         given.write.write_text(page)
     else:

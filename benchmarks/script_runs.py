@@ -8,6 +8,7 @@ import subprocess
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -33,18 +34,24 @@ class Outcome:
     """Processor time of a script [s], its results by name, and what it reported.
 
     Results are matrices of sensors, and all pictures of one name but for its number.
+    `code` is the version of clerestory, see `code_version`.
     """
 
     seconds: float
     messages: str
+    code: str
     sensors: dict[str, np.ndarray] = field(default_factory=dict)
     pictures: dict[str, np.ndarray] = field(default_factory=dict)
 
     def write(self, path: Path) -> None:
-        """Write a file."""
+        """Write a file, which is whole when it has its name."""
         found = {f"sensors:{name}": values for name, values in self.sensors.items()}
         found |= {f"pictures:{name}": values for name, values in self.pictures.items()}
-        np.savez(path, seconds=self.seconds, messages=self.messages, **found)
+        part = path.with_name(f"part-{path.name}")
+        np.savez(
+            part, seconds=self.seconds, messages=self.messages, code=self.code, **found
+        )
+        part.rename(path)
 
     @classmethod
     def read(cls, path: Path) -> "Outcome":
@@ -55,7 +62,25 @@ class Outcome:
                 kind, _, name = label.partition(":")
                 if name:
                     kinds[kind][name] = found[label]
-            return cls(float(found["seconds"]), str(found["messages"]), **kinds)
+            code = str(found["code"]) if "code" in found.files else "not recorded"
+            seconds, messages = float(found["seconds"]), str(found["messages"])
+            return cls(seconds, messages, code, **kinds)
+
+
+def code_version() -> str:
+    """Return the last commit that changed the package's sources, or its version.
+
+    Changes that are not committed are an error: a page could not name them.
+    """
+    source = Path(clerestory.__file__).parent
+    given = ["git", "-C", str(source)]
+    run = partial(subprocess.run, check=False, capture_output=True, text=True)
+    found = run([*given, "log", "-1", "--format=%h", "--", "."]).stdout.strip()
+    if not found:
+        return clerestory.__version__
+    if run([*given, "status", "--porcelain", "--", "."]).stdout:
+        raise SystemExit(f"{source} has changes that are not committed")
+    return found
 
 
 def numbered(name: str) -> str:
@@ -106,6 +131,7 @@ class Room:
         )
 
     def _run(self, script: str) -> Outcome:
+        code = code_version()
         known = {path: path.stat().st_mtime_ns for path in self._files()}
         environment = {
             **os.environ,
@@ -121,7 +147,7 @@ class Room:
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         new = [p for p in self._files() if p.stat().st_mtime_ns != known.get(p)]
-        return Outcome(used, done.stderr, *self._read(new))
+        return Outcome(used, done.stderr, code, *self._read(new))
 
     def _files(self) -> Iterator[Path]:
         yield from sorted(self.folder.glob("results/**/*.ill"))
