@@ -57,7 +57,11 @@ def _finding(
 ) -> str:
     real, dark = found["lux"], causes["lux_black"]
     noise = np.median(np.hypot(found["lux_error"], causes["lux_black_error"]) / real)
-    ratios = [f"{each:.2f}" for each in causes["flux_patches"] / causes["flux_rays"]]
+    by_rays = causes["flux_rays"]
+    lit = by_rays > 0
+    ratios = [f"{each:.2f}" for each in causes["flux_patches"][lit] / by_rays[lit]]
+    dull = np.sum(~lit)
+    none = f", but for {dull} in which no ray of the sun passes" if dull else ""
     sizes = []
     for plane, chosen in _planes():
         usual, rays = (apart[VARIANTS[n].text, "dark"][chosen] for n in (0, -2))
@@ -69,7 +73,7 @@ def _finding(
         "Most of the deviation is that of the rest, not of the direct sun. It has two"
         " errors of opposite sign, which five phases leave. (1) The sun is spread over"
         " patches of the sky and of the window, and its flux through the film is"
-        f" {', '.join(ratios)} times that by rays, in the order of the hours"
+        f" {', '.join(ratios)} times that by rays, in the order of the hours{none}"
         " (furthest off in June, when little of it passes). Finer patches lessen this;"
         " once the rays enter in place of patches, finer patches inside change little."
         " (2)"
