@@ -217,7 +217,7 @@ class TraceTable(Table):
     bounces: int | None = Field(None, ge=0)
     seed: int = Field(1, ge=0, lt=2**32)
     device: Device = "auto"
-    memory_gb: float = Field(8.0, ge=0)
+    memory_gb: float = Field(4.0, ge=0)
     # Excluded from the results file, as results do not depend on the cluster
     cluster: str | None = Field(
         None, exclude=True, description="the address of a dask scheduler"

@@ -38,7 +38,7 @@ from clerestory.threads import linear_algebra_in_one_thread
 FINISHED_FILE = "finished.json"
 
 # Share of the memory of a study for values that variants have in common
-_SHARED = 0.25
+_SHARED = 0.5
 
 
 def run_variants(

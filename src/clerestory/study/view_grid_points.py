@@ -44,7 +44,7 @@ _SEEDS = 7919
 
 # Share of `memory_gb` for view points that stay in memory; bytes of a cell apart from
 # V: recorded paths, on the host and on the compute device
-_SHARE, _CELL = 0.4, 8192
+_SHARE, _CELL = 0.8, 8192
 
 
 class Positions(Protocol):
