@@ -168,7 +168,8 @@ def effort(given: argparse.Namespace) -> str:
     elif given.relative_error:
         aim = f"with relative_error = {given.relative_error}"
     grid = f", grids at {given.spacing} m where the model has none"
-    return f"{hours} {aim}{grid if given.spacing else ''}."
+    weather = f"Weather {given.weather.name}. {hours}"
+    return f"{weather} {aim}{grid if given.spacing else ''}."
 
 
 if __name__ == "__main__":
