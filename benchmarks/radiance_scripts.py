@@ -280,8 +280,8 @@ rays of pixels, of `vwrays`, are the same in all runs.
 
 Processor seconds have children and the start of Python, about 0.5 s a program, on a
 machine with other work. *Unmodified* is our run of the script as published; the others
-are means of the runs with more rays, which do the same work. Of pictures of so few
-pixels, the start of programs is most of our time.
+are means of the runs with more rays, which do the same work. For pictures of so
+few pixels, most of our time is the start of programs.
 
 {stamp()}.
 

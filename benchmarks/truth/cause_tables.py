@@ -109,10 +109,10 @@ def _row(name: str, cells: Iterable[str]) -> str:
 
 
 _PARTS = (
-    "Direct sun reaches a sensor from the window without a reflection in the room. That"
-    " of the truth is summed over the rays of the sun's disc that leave the prisms. The"
-    " rest, V T D S - V_d T D_d S_ds, is the same in both methods, and all that is left"
-    " of their deviations with the direct sun of the truth. Mean deviations in % of the"
+    "*Direct sun* is sunlight that reaches a sensor from the window without reflection"
+    " in the room; in the truth, it is the sum over rays of the sun's disc that leave"
+    " the prisms. *The rest*, V T D S - V_d T D_d S_ds, is the same in both methods; its"
+    " deviation is what the exact direct sun would leave. Mean deviations in % of the"
     " whole illuminance, in brackets the means of the signed ones, with standard errors"
     " over the hours."
 )

@@ -149,8 +149,9 @@ class Suns(Source):
     def _on_surfaces(
         self, vertex: Vertex, sun: SunSample, numbers: PathNumbers
     ) -> LightSample:
-        # Sample along a window's lobe of sunlight, or towards a portal, by coordinates
-        # that a later vertex uses for its own sun sample: only sums have both
+        # Sample along a window's lobe of sunlight, or towards a portal. The coordinates
+        # are also those of the sun sample of a later vertex, which causes no bias: the
+        # contributions of both vertices are added, not multiplied
         other = numbers.at(numbers.vertex + VERTICES // 2)
         u, v, pick = other.sobol(CONNECT_U), other.sobol(CONNECT_V), numbers.extra(10)
         direction, valid = mi.Vector3f(0, 0, 1), mi.Bool(False)

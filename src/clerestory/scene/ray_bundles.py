@@ -57,7 +57,7 @@ class RayBundles:
 
     @property
     def valid(self) -> Bool[np.ndarray, "bundle ray"]:
-        """Which rays have a direction other than zero."""
+        """Mask of the rays whose direction is not zero."""
         return np.asarray(self.direction.any(axis=-1))
 
     @property

@@ -86,7 +86,7 @@ def window_of(
     partition: RingPartition | None = None,
     faceted: bool = False,
 ) -> Window:
-    """Return a window group of polygons; the mean normal by area defines the frame.
+    """Return a window group; the area-weighted mean normal defines its frame.
 
     By default `up` is +z, or +y for a horizontal window, and the basis is Klems full.
     """
