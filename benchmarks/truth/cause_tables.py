@@ -109,12 +109,12 @@ def _row(name: str, cells: Iterable[str]) -> str:
 
 
 _PARTS = (
-    "*Direct sun* is sunlight that reaches a sensor from the window without reflection"
-    " in the room; in the truth, it is the sum over rays of the sun's disc that leave"
-    " the prisms. *The rest*, V T D S - V_d T D_d S_ds, is the same in both methods;"
-    " its deviation is what the exact direct sun would leave. Mean deviations in % of the"
-    " whole illuminance, in brackets the means of the signed ones, with standard errors"
-    " over the hours."
+    "*Direct sun* is sunlight that reaches a sensor from the window without"
+    " reflection in the room; in the truth, it is the sum over rays of the sun's"
+    " disc that leave the prisms. *The rest*, V T D S - V_d T D_d S_ds, is the same"
+    " in both methods; its deviation is what the exact direct sun would leave. Mean"
+    " deviations in % of the whole illuminance, in brackets the means of the signed"
+    " ones, with standard errors over the hours."
 )
 
 _HEADS = ["share in the truth", "3-phase", "5-phase", "gain by five phases"]
